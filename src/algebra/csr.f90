@@ -23,7 +23,7 @@ module csr
   end interface element_map
 
   !> Groups of nodes, one in each column of conn; all nodes of a group are coupled with each other.
-  !! A group is an element of a block, or a pair in contact.
+  !! A group consists of the nodes of an element, or of a pair in contact.
   type :: clique_t
     integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a node may occur twice
   end type clique_t
@@ -42,7 +42,7 @@ module csr
   type :: incidence_t
     integer, allocatable :: first(:)  !! (nnode+1) index at which the cliques of a node begin
     integer, allocatable :: group(:)  !! index into the array of cliques
-    integer, allocatable :: elem(:)   !! column of the conn of this clique
+    integer, allocatable :: elem(:)   !! column of the array conn
   end type incidence_t
 
 contains
@@ -171,7 +171,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
     integer, intent(out) :: map(:, :, :)  !! (nen, nen, nelem)
-    type(error_t), allocatable, intent(out), optional :: error !! if a pair is not in the pattern
+    type(error_t), allocatable, intent(out), optional :: error !! set if a pair is not stored
     integer :: e
 
     do e = 1, size(conn, 2)

@@ -64,7 +64,7 @@ contains
     end do
   end subroutine tied_cliques
 
-  !> Plan the moves for a pattern that includes the tied cliques.
+  !> Plan the moves for a pattern that includes the cliques found by tied_cliques.
   subroutine new_fold(list, a, fold, error)
     type(constraint_t), intent(in) :: list
     type(block_matrix_t), intent(in) :: a

@@ -15,7 +15,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     type(block_matrix_t), intent(out) :: whole !! empty on the other ranks
     type(error_t), allocatable, intent(out) :: error
-    type(clique_t) :: pairs(rank_count()) ! of nodes with a block
+    type(clique_t) :: pairs(rank_count()) ! pairs of nodes with a block
     integer, allocatable :: row(:), col(:)
     integer :: i, n(1), p, r
 

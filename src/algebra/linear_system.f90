@@ -10,7 +10,7 @@
 !! SINGLE otherwise.
 !!
 !! If memory is too short, AUTO tries factors in single precision, then compressed factors, then
-!! factors on disk; the other modes, except LOWRANK, write them to disk at once.
+!! factors on disk; the other modes, except LOWRANK, write the factors to disk right away.
 !!
 !! The solution meets the same tolerance in every mode.
 !!

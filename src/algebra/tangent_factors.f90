@@ -42,7 +42,7 @@ module tangent_factors
     integer :: factorisations = 0          !! number of factorisations in this call
     logical :: used_single = .false.       !! the last factors are in single precision
     logical :: used_gmres = .false.
-    logical :: gave_up_single = .false.    !! AUTO: double factors from now on
+    logical :: gave_up_single = .false.    !! AUTO: double precision from now on
     logical :: signed = .false.            !! `negative` and `determinant` are those of this matrix
     integer :: negative = 0                !! number of negative pivots of the factors in use
     integer :: determinant = 1             !! sign of the determinant of an unsymmetric matrix
@@ -50,7 +50,7 @@ module tangent_factors
     !> Wall and processor time [s]. The time of the analysis includes analyses before this solve.
     real(wp) :: seconds_analyse(2) = 0.0_wp, seconds_factor(2) = 0.0_wp, seconds_solve(2) = 0.0_wp
     real(wp) :: memory_mb = 0.0_wp         !! memory held by the factors [MB]
-    character(:), allocatable :: storage   !! a sentence, if there was no memory for the first way
+    character(:), allocatable :: storage  !! a sentence, if memory did not suffice for the first way
   end type solve_report_t
 
   integer, parameter :: SMALL = 24 !! largest number of equations for the dense solver
@@ -67,7 +67,7 @@ module tangent_factors
     type(entries_t), private :: entries
     integer, allocatable, private :: order(:) !! of the elimination, for the current pattern
     logical, private :: analysed = .false.  !! the solver knows the current pattern
-    logical, private :: proved = .false.    !! a matrix of this system was regular
+    logical, private :: proved = .false.    !! an earlier matrix of this system was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice
     integer, private :: way = 1 !! way in use: of `ways`, or of EXACT_WAYS if `escalated`
     !> A sentence that has not been reported yet: why a way other than the first is used.

@@ -1,5 +1,5 @@
-!> Processes (ranks) that compute one model together, by MPI. `make MPI=1` compiles this file
-!! instead of base_comm_serial.f90, which explains each procedure.
+!> Processes (MPI ranks) that compute one model together. `make MPI=1` compiles this file instead of
+!! base_comm_serial.f90, which explains each procedure.
 module base_comm
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
   use base_kinds, only: wp, i8

@@ -2,7 +2,7 @@
 !!
 !! `make MPI=1` compiles base_comm_mpi.f90 instead. Both files contain the same module with the same
 !! names, and the comments here say what each procedure does with any number of ranks. With a single
-!! rank, it does nothing or returns the value of that rank.
+!! rank, each of them does nothing or returns the value of that rank.
 module base_comm
   use base_kinds, only: wp
   use base_system, only: finish
@@ -21,8 +21,8 @@ module base_comm
     module procedure largest_integer, largest_real
   end interface largest
 
-  !> total(x) replaces x by its sum over all ranks, which is added in the order of the ranks so that
-  !! it does not depend on their speed.
+  !> total(x) replaces x by its sum over all ranks. The terms are added in the order of the ranks,
+  !! so that the sum does not depend on the speed of the ranks.
   interface total
     module procedure total_scalar, total_matrix
   end interface total

@@ -1,4 +1,4 @@
-!> Failures as values: what went wrong, where in the deck, and what to do about it.
+!> Errors as values: what went wrong, where in the deck, and what to do about it.
 module base_error
   use base_text, only: to_text
   implicit none
@@ -85,7 +85,8 @@ contains
     if (present(hint)) text = text//new_line('a')//'hint: '//visible(hint)
   end function render_note
 
-  !> First part of a message: place and text, the source line, and carets under the place.
+  !> First part of a message: the place and the text, the line of the deck, and carets under the
+  !! place.
   pure function head(kind, message, place) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in) :: place

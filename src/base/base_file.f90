@@ -11,7 +11,7 @@ module base_file
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
 
-  !> The file, folder or other object to which a path leads.
+  !> The file, folder or other object to which a path points.
   type :: file_t
     integer :: kind = FILE_ABSENT
     integer(i8) :: size = 0         !! bytes
@@ -149,7 +149,7 @@ contains
     file%identity = identity_of(buffer)
   end subroutine inspect
 
-  !> Record that a file is read, so that it is not replaced by output.
+  !> Record that a file is read, so that the output does not replace it.
   subroutine note_input(path, checkpoint)
     character(*), intent(in) :: path
     logical, intent(in), optional :: checkpoint !! the file contains checkpoints
@@ -251,8 +251,8 @@ contains
     if (kind == LINK .or. (kind == REGULAR .and. buffer%nlink > 1)) call remove_file(path)
   end subroutine detach
 
-  !> Take the lock `path`, which lasts until the process ends or unlock_file is called. This fails
-  !! at once if another process holds the lock.
+  !> Take the lock `path`, which lasts until the process ends or unlock_file is called. If another
+  !! process holds the lock, the procedure fails at once.
   subroutine lock_file(path, lock, error)
     character(*), intent(in) :: path
     type(lock_t), intent(out) :: lock

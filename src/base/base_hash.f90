@@ -6,7 +6,7 @@ module base_hash
   private
   public :: hash_t, text_hash, file_hash
 
-  !> A hash of everything that has been added; it depends on the order of the additions.
+  !> Hash of all data added so far; it depends on the order in which they were added.
   type :: hash_t
     private
     integer(i8) :: h(2) = [7_i8, 11_i8]

@@ -19,7 +19,7 @@ contains
 
   pure subroutine sort_index_integer(key, order)
     integer, intent(in) :: key(:)
-    integer, intent(out) :: order(:) !! (size(key)) key(order) ascends
+    integer, intent(out) :: order(:) !! (size(key)) key(order) is in ascending order
 
     call sort_index_long(int(key, i8), order)
   end subroutine sort_index_integer
@@ -124,7 +124,7 @@ contains
     at = 0
   end function find
 
-  !> A key by which lists can be sorted: equal lists have equal keys, and different lists usually
+  !> A key by which lists can be sorted. Equal lists have equal keys, and different lists usually
   !! have different keys.
   pure integer(i8) function hash(list)
     integer, intent(in) :: list(:)

@@ -6,9 +6,10 @@ module base_text
   private
   public :: lower, to_text, nearest, quoted, key_of, fits_name
 
-  integer, parameter :: LONGEST = 64 !! characters of a text that a message quotes
+  integer, parameter :: LONGEST = 64 !! most characters of a text that a message quotes
 
-  !> A number as short text: an integer in full, a real with six or `digits` significant digits.
+  !> A number as short text: an integer in full, a real with `digits` significant digits (default
+  !! 6).
   interface to_text
     module procedure integer_text, long_text, real_text
   end interface to_text

@@ -130,7 +130,8 @@ contains
     list = timers%timer(:timers%n)%name
   end function names
 
-  !> One line for each timer: calls, wall and processor seconds, share of the total.
+  !> A table with one line for each timer: calls, wall and processor seconds, and share of the
+  !! total.
   function table(timers) result(text)
     class(timers_t), intent(in) :: timers
     character(:), allocatable :: text

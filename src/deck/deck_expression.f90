@@ -19,7 +19,7 @@ module deck_expression
   private
   public :: evaluate, compute, trouble_t, params_t, set_parameter
 
-  integer, parameter :: DEEPEST = 100 !! nesting of parentheses and powers
+  integer, parameter :: DEEPEST = 100 !! largest depth of nested parentheses and powers
   integer, parameter :: MOST_ARGUMENTS = 32
   character(*), parameter :: NAME_CHARACTERS = &
                              'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789'
@@ -330,7 +330,7 @@ contains
 
   subroutine close_parenthesis(p, first)
     type(parser_t), intent(inout) :: p
-    integer, intent(in) :: first !! where it was opened
+    integer, intent(in) :: first !! position of the opening parenthesis
 
     if (next_character(p) == ')') then
       p%at = p%at + 1

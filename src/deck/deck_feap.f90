@@ -168,8 +168,7 @@ contains
     hint = advice(COMMANDS, word)
   end function command_hint
 
-  !> What to use in place of a record that FEAP has in MATErial; empty if the table has no such
-  !! word.
+  !> What to use in place of a record of FEAP's MATErial; empty if the table has no such word.
   pure function property_hint(word) result(hint)
     character(*), intent(in) :: word
     character(:), allocatable :: hint
@@ -177,7 +176,7 @@ contains
     hint = advice(PROPERTIES, word)
   end function property_hint
 
-  !> The hint of the row that has the word; empty if no row has it.
+  !> The hint of the row that contains the word; empty if no row does.
   pure function advice(table, word) result(hint)
     type(advice_t), intent(in) :: table(:)
     character(*), intent(in) :: word

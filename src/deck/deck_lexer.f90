@@ -17,12 +17,12 @@ module deck_lexer
   character(*), parameter :: QUOTES = 'quotes enclose a whole field: "..."'
   character(*), parameter :: BLANKS = ' '//achar(9)
 
-  !> State of a reader that divides the lines of a record into fields. Positions refer to the text
-  !! of the whole file.
+  !> State of the procedures that divide the lines of a record into fields. Positions refer to the
+  !! text of the whole file.
   type :: cutter_t
     integer :: at = 1              !! next character
     integer :: last = 0            !! last character of the line
-    logical :: expects = .true.    !! a field is expected, so a comma here makes an empty one
+    logical :: expects = .true.    !! a field is expected, so that a comma here ends an empty one
     logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
     integer :: wrong = 0           !! position of the first error; 0: there is none

@@ -47,7 +47,7 @@ module deck_reader
 
 contains
 
-  !> Start to read at the main file of the deck.
+  !> Start reading the main file of the deck.
   subroutine open_reader(reader, path, error)
     type(reader_t), intent(out) :: reader
     character(*), intent(in) :: path
@@ -99,7 +99,8 @@ contains
     end do
   end subroutine next_record
 
-  !> Read the next record that is not INCLude, LOOP or NEXT, and execute those before it.
+  !> Read the next record other than INCLude, LOOP and NEXT. If one of these comes first, it is
+  !! executed.
   subroutine next_unrolled(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -166,7 +167,7 @@ contains
     reader%frame(1)%line = reader%files%item(1)%file%nline + 1
   end subroutine stop_reading
 
-  !> Continue to read in the file that an INCLude record names.
+  !> Continue reading in the file that an INCLude record names.
   subroutine include_file(reader, record, error)
     type(reader_t), intent(inout) :: reader
     type(record_t), intent(in) :: record

@@ -31,7 +31,8 @@ module deck_source
 
 contains
 
-  !> Read a file, which must be a regular text file; `place` is that of the record that names it.
+  !> Read a file, which must be a regular text file; `place` is the place of the record that names
+  !! it.
   subroutine load_source(path, source, error, place)
     character(*), intent(in) :: path
     type(source_t), intent(out) :: source
@@ -173,7 +174,7 @@ contains
     character(*), intent(in) :: path
     integer, intent(out) :: at                    !! its position
     type(error_t), allocatable, intent(out) :: error
-    type(place_t), intent(in), optional :: place  !! of the record that names it
+    type(place_t), intent(in), optional :: place  !! place of the record that names it
 
     type(entry_t), allocatable :: longer(:)
     integer :: i

@@ -153,7 +153,7 @@ contains
     deck%consumed = 0
   end subroutine next_command
 
-  !> Continue in the file that an INCLude record names.
+  !> Continue reading in the file that an INCLude record names.
   subroutine include_in_deck(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record

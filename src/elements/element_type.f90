@@ -1,4 +1,4 @@
-!> Interface of an element: one row of the table of elements.
+!> Interface of an element type, which is a row of the table of elements.
 module element_type
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -56,7 +56,7 @@ module element_type
     real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
   end type form_report_t
 
-  !> An element type. It has no state: properties and history are arrays.
+  !> An element type. It has no state; properties and history are passed as arrays.
   type :: element_t
     character(16) :: name = ''       !! e.g. Q1E9
     character(100) :: source = ''    !! formulation and reference, for the log

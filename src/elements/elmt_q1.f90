@@ -3,7 +3,7 @@
 !! Nodes:  counter-clockwise from (-,-), lower plane first (FEAP and VTK order)
 !! Rule:   2 x 2 x 2 Gauss points
 !! Source: Corbett and Sauer 2015, section 4.1
-!! Limits: locks in bending, and in volume for nu above 0.49
+!! Limits: shear locking in bending, volumetric locking for nu above 0.49
 module elmt_q1
   use base_kinds, only: wp
   use element_type, only: element_t, cell_t, rule_t, topology_t

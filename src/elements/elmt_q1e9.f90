@@ -5,7 +5,7 @@
 !! Nodes, functions, rule: as Q1
 !! History: nine parameters, then m and L (element_form_i)
 !! Source:  Simo and Armero 1992; Corbett and Sauer 2015, section 4.1
-!! Limits:  hourglass modes in strong compression, which negative pivots indicate
+!! Limits:  hourglass modes in strong compression, which cause negative pivots
 module elmt_q1e9
   use element_type, only: element_t
   use elmt_q1, only: set_rule, functions, set_topology

@@ -1,8 +1,8 @@
 !> Q1E9N and Q1E9NT: the enriched element Q1Np.t with nine enhanced modes.
 !!
 !! The modes are the rows (xi,0,0), (0,eta,0), (0,0,zeta) of Q1E9 on the enriched hexahedron, with
-!! J0 and j0 at its centre. In the tapered element the first two are multiplied by (1 + zeta)/2, so
-!! that they vanish on the enriched face.
+!! J0 and j0 at its centre. In the tapered element, the first two modes are multiplied by (1 +
+!! zeta)/2, so that they vanish on the enriched face.
 !!
 !! Nodes, functions: as Q1N
 !! Rule:    (p+1) x (p+1) x 2; collapsed prisms need 3 points in zeta
@@ -40,7 +40,7 @@ contains
     row%modes => tapered_modes
   end function describe_tapered
 
-  !> Evaluate the modes, the in-plane ones multiplied by (1 + zeta)/2.
+  !> Evaluate the modes, and multiply the two in-plane modes by (1 + zeta)/2.
   pure subroutine tapered_modes(xi, mode)
     real(wp), intent(in) :: xi(3)
     real(wp), intent(out) :: mode(:, :) !! (3, 3)

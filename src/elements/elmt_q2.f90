@@ -55,7 +55,7 @@ contains
   end subroutine functions
 
   !> Set the faces and the order of the nodes in VTK: corners, edges, faces and middle, as in a VTK
-  !! Lagrange or Bezier hexahedron of degree 2 (files of version 2.2 and later).
+  !! Lagrange or Bezier hexahedron of degree 2 (VTK files of version 2.2 and later).
   subroutine set_topology(cell, topology)
     type(cell_t), intent(in) :: cell
     type(topology_t), intent(out) :: topology

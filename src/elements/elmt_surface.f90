@@ -16,7 +16,7 @@ module elmt_surface
 
 contains
 
-  !> A row like those of the table of elements, but without `form`.
+  !> Row of this element. It is not in the table of elements, and has no `form`.
   function describe() result(row)
     type(element_t) :: row
 

@@ -4,7 +4,7 @@
 !! Parent: cube, see collapsed_shape
 !! Rule:   one point; QUADrature q > 1: q x q x q points of the cube
 !! Source: Zienkiewicz and Taylor 2005
-!! Limits: locks in bending, and in volume for nu above 0.4; TET10 does not
+!! Limits: shear locking in bending, volumetric locking for nu above 0.4, unlike TET10
 module elmt_tet4
   use base_kinds, only: wp
   use collapsed_shape, only: fold_tetrahedron, unfold_rule, collapsed_rule
@@ -70,7 +70,7 @@ contains
     topology%gmsh = 4
   end subroutine set_topology
 
-  !> Corners on each side of the cube; the sides are four triangles, an edge and a point.
+  !> Nodes on each face of the parent cube; the faces become four triangles, an edge and a point.
   pure function tetrahedron_faces() result(on)
     logical :: on(4, 6)
 

@@ -13,11 +13,12 @@ module hexa_shape
   integer, parameter, public :: MAX_DEGREE = 15 !! largest degree in one direction
   integer, parameter, public :: VTK_BEZIER_HEXAHEDRON = 79
 
-  !> Signs of the corners, counter-clockwise from (-,-), lower plane first (FEAP and VTK order).
+  !> Signs of the parent coordinates of the corners, counter-clockwise from (-,-), lower plane first
+  !! (FEAP and VTK order).
   integer, parameter :: CORNER(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, &
                                                 -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
-  !> The corners on the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
+  !> Marks the corners on each of the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
   logical, parameter :: CORNER_MARKS(8, 6) = &
                         reshape([CORNER(1, :) < 0, CORNER(1, :) > 0, CORNER(2, :) < 0, &
                                  CORNER(2, :) > 0, CORNER(3, :) < 0, CORNER(3, :) > 0], [8, 6])

@@ -1,4 +1,4 @@
-!> solid_form for NB eight-node elements at a time, side by side in the vector registers.
+!> Residual and tangent of NB eight-node elements at a time, side by side in the vector registers.
 !!
 !! The formulas are those of solid_form; the first index of every array is the element. The body of
 !! each loop over the elements is straight-line code or a single inner loop, so that the compiler
@@ -18,7 +18,8 @@ module solid_batch
 
 contains
 
-  !> Form NB elements; the interface is element_batch_i. The law must have `moduli`.
+  !> Compute residual and tangent of NB elements; the interface is element_batch_i. The law must
+  !! have `moduli`.
   pure subroutine form_batch(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
@@ -64,7 +65,7 @@ contains
     real(wp) :: w(NB, NC), tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
     real(wp) :: centre(NB, 3, 3), jac0(NB)
     integer :: q, q0, n
-    logical :: last ! nothing will change k after this group
+    logical :: last ! no later group changes k
 
     ok = .true.
     if (basis%nmode > 0) then

@@ -33,7 +33,7 @@ contains
     n = 3*nmode*(2 + 3*nen)
   end function history_length
 
-  !> Form one element; the interface is element_form_i.
+  !> Compute residual and tangent of one element; the interface is element_form_i.
   pure subroutine form(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material

@@ -42,7 +42,7 @@ module format_bext
 
 contains
 
-  !> Read the file from its first line on: pid nn ne ncv wfl, the control points, elements and
+  !> Read the whole file: pid nn ne ncv wfl in its first line, then control points, elements and
   !! vectors.
   subroutine read_bext(text, surface, error)
     type(text_t), intent(inout) :: text

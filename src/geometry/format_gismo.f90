@@ -1,5 +1,5 @@
-!> G+Smo XML files: one geometry TensorNurbs3 or TensorBSpline3, or a surface TensorNurbs2 or
-!! TensorBSpline2.
+!> G+Smo XML files: one body, a geometry TensorNurbs3 or TensorBSpline3, or one surface, a geometry
+!! TensorNurbs2 or TensorBSpline2.
 !!
 !! The reader uses the knot vectors with their degrees, the weights and the coefficients, in which
 !! the first direction varies fastest. Other geometries of the file and other tags are skipped.
@@ -17,8 +17,8 @@ module format_gismo
 
 contains
 
-  !> Read the geometry that has `ndir` directions and the id `name`, or the only one with `ndir`
-  !! directions.
+  !> Read the geometry that has `ndir` directions and the id `name`. If the name is blank, read the
+  !! only geometry with `ndir` directions.
   subroutine read_gismo(text, name, ndir, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name

@@ -180,8 +180,8 @@ contains
   end subroutine read_entities
 
   !> Read the elements of all shapes. In version 2.2, each record has a number, a type, tags (the
-  !! first is the physical group) and nodes; version 4.1 has blocks of elements of one type on one
-  !! entity.
+  !! first is the physical group) and nodes; version 4.1 has blocks, each with the elements of one
+  !! type on one entity.
   subroutine read_elements(text, is_new, entity, file, error)
     type(text_t), intent(inout) :: text
     logical, intent(in) :: is_new
@@ -236,7 +236,7 @@ contains
                                       //'blocks, found '//to_text(n), error)
   end subroutine read_elements
 
-  !> Report an error at the type of an element if no row of the table of elements has this type.
+  !> Fail if the Gmsh type of an element belongs to none of the known shapes.
   subroutine check_type(text, gmsh, file, error)
     type(text_t), intent(in) :: text
     integer, intent(in) :: gmsh

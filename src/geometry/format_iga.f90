@@ -3,7 +3,7 @@
 !!
 !! The reader uses `type` (surface or plane), `nodeN`, `elemN`, `node` and `belem`. Sets may follow,
 !! and are ignored. `#` starts a comment.
-!! Source: the export of T-splines from Rhino
+!! Source: files that the T-splines plug-in of Rhino exports
 module format_iga
   use base_kinds, only: wp
   use base_error, only: error_t

@@ -5,9 +5,10 @@
 !! vector runs along its edge from the first vertex given to the second one.
 !!
 !! The control points are numbered in this order: the vertices; the inner points of the edges, in
-!! the order of the section `edges`, each from its lower to its higher vertex; the inner points of
-!! the faces, in the order in which the faces first occur in the elements, numbered on each face
-!! first along the edge between its first two vertices; the inner points of the elements.
+!! the order of the section `edges`, each from the vertex with the lower number to the other one;
+!! the inner points of the faces, in the order in which the faces first occur in the elements,
+!! numbered on each face first along the edge between its first two vertices; the inner points of
+!! the elements.
 !! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8

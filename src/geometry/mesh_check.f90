@@ -41,7 +41,7 @@ contains
                       //'a 3D mesh; if there are physical groups, the volume must belong to one')
   end subroutine check_shapes
 
-  !> Check that the nodes of an element are distinct and that its map is right-handed at all
+  !> Check that the nodes of each element are distinct, and that its map is right-handed at all
   !! integration points. The map from the reference element is checked, because the map from the
   !! parent cube of a collapsed element is nearly singular where the cube is collapsed.
   subroutine check_elements(file, text, volume, error)

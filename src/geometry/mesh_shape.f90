@@ -108,7 +108,7 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> For elements of the same shape, use the row `name`, which TYPE of a MESH selects.
+  !> Use the row `name`, which TYPE of a MESH selects, for all elements with the shape of this row.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name

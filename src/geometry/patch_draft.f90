@@ -99,7 +99,7 @@ contains
     type(draft_t), intent(inout) :: draft
     type(spline_t), intent(in) :: s
     type(span_t), intent(out) :: span
-    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! spans that differ by rounding
+    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! closer spans differ only by rounding
     real(wp), allocatable :: c(:, :, :)
     type(operator_t), allocatable :: list(:)
     integer :: e, i, n, p

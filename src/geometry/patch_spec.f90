@@ -61,7 +61,7 @@ module patch_spec
     type(nurbs_t) :: nurbs                             !! NPATch or FILE
     type(placement_t), allocatable :: placement(:)
     integer :: nelem(3) = 0                            !! ELEMents
-    type(knot_list_t) :: knots(3)                      !! KNOTs,dir; they make size + 1 elements
+    type(knot_list_t) :: knots(3)                      !! KNOTs,dir; n knots make n + 1 elements
     type(spline_spec_t) :: spline                      !! SPLIne
     character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID, LAYER of a SPLIne
     integer :: degree = 1                              !! degree of IGA

@@ -1,5 +1,5 @@
-!> Named sets of elements of a spline surface: reads them from the member `sets` of a BEXT file in
-!! JSON, and turns them into groups of the body, which FIX, loads and contact may name.
+!> Named sets of elements of a spline surface. They are read from the member `sets` of a BEXT file
+!! in JSON, and become groups of the body, to which FIX, loads and contact may refer.
 module spline_set
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_text, only: to_text, quoted, lower, nearest

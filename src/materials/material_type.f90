@@ -1,4 +1,4 @@
-!> Interface of a constitutive law: one row of the table of laws.
+!> Interface of a constitutive law, which is a row of the table of laws.
 module material_type
   use base_kinds, only: wp
   implicit none

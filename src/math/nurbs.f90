@@ -162,7 +162,7 @@ contains
   !! directions of the face, in the order in which the trivariate patch has them.
   subroutine face_of(patch, d, side, face)
     type(nurbs_t), intent(in) :: patch
-    integer, intent(in) :: d     !! direction across the face
+    integer, intent(in) :: d     !! direction normal to the face
     integer, intent(in) :: side  !! 0: minimum, 1: maximum
     type(nurbs_t), intent(out) :: face
     integer :: n(4), i

@@ -14,8 +14,8 @@ contains
     real(wp), intent(in) :: by(:, :)     !! (2, :) corners of the convex polygon
     integer, intent(inout) :: n          !! corners of the polygon; 0: nothing is left
     real(wp), intent(inout) :: x(2, MOST_CORNERS)
-    !> Origin of the edge from each corner to the next one: -k for edge k of `by`, otherwise as
-    !! given.
+    !> Origin of the edge from each corner to the next one: -k if it lies on edge k of `by`;
+    !! otherwise the value on entry.
     integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp) :: y(2, MOST_CORNERS), d(MOST_CORNERS), edge(2), s
     integer :: i, j, k, m, new(MOST_CORNERS)

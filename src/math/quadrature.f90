@@ -7,8 +7,8 @@ module quadrature
 
 contains
 
-  !> Compute the rule with n points, which is exact to degree 2n-1. The points are the roots of the
-  !! Legendre polynomial, found by Newton's method.
+  !> Compute the rule with n points, which is exact up to degree 2n-1. The points are the roots of
+  !! the Legendre polynomial, found by Newton's method.
   pure subroutine gauss(n, x, w)
     integer, intent(in) :: n
     real(wp), intent(out) :: x(n), w(n) !! points (ascending) and weights, symmetric to the last bit

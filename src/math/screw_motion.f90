@@ -87,7 +87,7 @@ contains
     y = screw%origin + rotate(w, x - screw%origin) + v + f*c + g*cross(w, c)
   end function continue_screw
 
-  !> A vector, rotated by the vector w (Rodrigues).
+  !> The vector a, rotated by the rotation vector w (Rodrigues' formula).
   pure function rotate(w, a) result(b)
     real(wp), intent(in) :: w(3), a(3)
     real(wp) :: b(3), c(3), angle, f, g

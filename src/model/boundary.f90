@@ -54,7 +54,7 @@ module boundary
     integer, allocatable :: table(:, :) !! (3, nnode) load number of value and force (FPRO, EPRO)
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
-    type(dead_load_t), allocatable :: dead(:) !! from body forces, CSURf and dead pressures
+    type(dead_load_t), allocatable :: dead(:) !! integrated body forces, CSURf and dead pressures
     type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
     integer, allocatable :: rival(:, :) !! (3, nnode) second load number where TIE joins nodes with
     !! different numbers; negative: none. Not allocated if no node has one.

@@ -38,7 +38,7 @@ contains
     ndof = 3*count(mesh%used .and. solid)
   end subroutine number_equations
 
-  !> Name of the dof that has an equation number, such as `dof uy of node 3`.
+  !> Name of the dof with a given equation number, such as `dof uy of node 3`.
   function dof_name(eq, equation) result(name)
     integer, intent(in) :: eq(:, :) !! (3, nnode)
     integer, intent(in) :: equation

@@ -59,12 +59,13 @@ contains
   !! force in this step and in the previous one.
   !!
   !! If the force varies monotonically, its work lies between the works of two constant forces, its
-  !! first value and its last value, so the error is at most half of |rise.du|. If the force is a
-  !! convex or a concave function of the displacement over both steps, its work also lies between
-  !! the works of two linear forces: one follows the chord of this step, the other one continues the
-  !! chord of the previous step and therefore changes by r rise_before, where r is the length of du
-  !! divided by that of du_before. If the direction of motion changes, a further term is added to
-  !! this second bound. The smaller one of the two bounds is used.
+  !! first value and its last value, so the error is at most half of |rise.du|, where rise is the
+  !! change of the force. If the force is a convex or a concave function of the displacement over
+  !! both steps, its work also lies between the works of two linear forces: one follows the chord of
+  !! this step, the other one continues the chord of the previous step and therefore changes by r
+  !! rise_before, where r is the length of du divided by that of du_before. If the direction of
+  !! motion changes, a further term is added to this second bound. The smaller one of the two bounds
+  !! is used.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

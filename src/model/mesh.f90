@@ -60,7 +60,7 @@ module mesh
     integer :: inner = 0               !! number of its surface elements inside the body
   end type group_t
 
-  !> A body made by PATCh or MESH. Face f = 1 to 6 is 1- 1+ 2- 2+ 3- 3+.
+  !> A body made by PATCh, MESH or SPLIne. Its faces 1 to 6 are 1- 1+ 2- 2+ 3- 3+ in the deck.
   type :: body_t
     character(:), allocatable :: name
     type(place_t) :: place
@@ -73,7 +73,7 @@ module mesh
     character(:), allocatable :: note  !! of a mesh: a summary of its file
   end type body_t
 
-  !> Nodes, and everything that refers to them.
+  !> The nodes, and the blocks, bodies and constraints that refer to them.
   type :: mesh_t
     integer :: nnode = 0
     real(wp), allocatable :: xr(:, :) !! (3, nnode) reference positions of nodes and control points
