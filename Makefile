@@ -36,7 +36,7 @@ OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointe
 OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings without optimisation
 OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
 
-# --- Libraries: from pkg-config, else from the folders of the distributions -----------------------
+# --- Libraries: where pkg-config says, else in the folders that distributions use ------------------
 ROOTS      := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))
 HDF5_PC    := $(shell pkg-config --libs-only-L hdf5-serial 2>/dev/null)
 HDF5_MOD   := $(firstword $(wildcard $(addsuffix /hdf5.mod,/usr/include/hdf5/serial \
@@ -54,17 +54,17 @@ LIBS       := $(or $(HDF5_PC),$(addprefix -L,$(wildcard /usr/lib/*/hdf5/serial))
 .PHONY: all help FORCE
 all: $(B)/bezel
 
-# The ranks of MPI=1, or a single process, are behind one module, base_comm.
+# One module, base_comm, has two versions: for the ranks of MPI=1, and for a single process.
 SOURCES := $(filter-out src/base/base_comm_$(if $(RANKS),serial,mpi).f90,$(wildcard src/*/*.f90))
 include src/simd.mk
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
 
-# Names the first three files that a make compiles, then counts.
+# Prints the names of the first three files that a make compiles, then only their number.
 TELL = @echo '$<' >> $(B)/compiled; n=$$(grep -nxF '$<' $(B)/compiled | sed 's/:.*//;q'); \
        if [ $$n -le 3 ]; then echo '  $<'; elif [ $$((n % 50)) = 0 ]; then echo "  $$n files compiled"; fi
 
-# A module file keeps its time while its interface does not change, so that its users are not recompiled.
+# The compiler rewrites a module file only if its interface changes, so that its users are not recompiled.
 $(B)/%.mod:
 	@test -f $@ || { rm -f $<; echo "make: $@ is missing, run make again" >&2; exit 1; }
 $(B)/%.o: %.f90 $(B)/flags | $(B)/libraries
@@ -76,7 +76,7 @@ $(B)/bezel: $(B)/main.o $(B)/libbezel.a
 	@$(FC) $(OPT) $^ $(LIBS) -o $@
 	@echo "  $@"
 
-# Made once per build folder; one sentence names what is missing.
+# Checked once per build folder; one sentence names the libraries that are missing.
 $(B)/libraries:
 	@tools/setup.sh libraries && mkdir -p $(B) && touch $@
 .PHONY: settings
@@ -91,8 +91,8 @@ $(B)/depend.mk: FORCE $(COPIES)
 	@mkdir -p $(B); awk -v b=$(B) -v u='$$(U)' -f src/depend.awk $(SOURCES) $(COPIES) $(wildcard verification/unit/*/*.pf) > $@.new
 	@cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 FORCE:
-# Goals that compile: without the dependencies, only the files that changed would be compiled, and not
-# the users of their modules.
+# Goals that compile: without depend.mk, the files that changed would be compiled, but not the users of
+# their modules.
 COMPILES := all unit install deb deck_errors reference patch trouble manual bench_parts $(B)/%
 ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 $(shell rm -f $(B)/compiled)
@@ -109,16 +109,16 @@ setup:
 check: setup
 	@$(MAKE) tests
 GOALS := $(if $(RANKS),ranks patch,runner unit deck_errors manual post_tests reference patch trouble bench_parts)
-WHAT_runner      := the runner of the unit tests judges failures as failures
-WHAT_unit        := unit tests; they are compiled first, which takes some minutes
-WHAT_deck_errors := bad decks, each with the message that it must give
-WHAT_manual      := a page and an example for every word; theory and tests for every element and law
-WHAT_post_tests  := tests of post, verify and tools; a dot each
-WHAT_reference   := the second implementation beside the program, on the smallest meshes
+WHAT_runner      := the runner of the unit tests must report failures as failures
+WHAT_unit        := unit tests, which are compiled first (some minutes)
+WHAT_deck_errors := bad decks, each of which must give its expected message
+WHAT_manual      := every word has a page and an example; every element and law has theory and tests
+WHAT_post_tests  := tests of post, verify and tools; one dot per test
+WHAT_reference   := the second implementation against the program, on the smallest meshes
 WHAT_patch       := patch tests: comparisons with exact answers
-WHAT_ranks       := the serial program beside 1, 2 and 3 ranks; kills, signals, limits, restarts
+WHAT_ranks       := the serial program against 1, 2 and 3 ranks; kills, signals, limits, restarts
 WHAT_trouble     := files, signals, restarts; then decks that must not go wrong silently
-WHAT_bench_parts := the programs of make bench compile; they are not run
+WHAT_bench_parts := the programs of make bench must compile; they are not run
 tests:
 	@$(MAKE) $(B)/bezel
 	@failed=; $(foreach goal,$(GOALS),echo "== $(goal): $(WHAT_$(goal))"; \
@@ -135,7 +135,7 @@ patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
-# The program for ranks (MPI=1) beside the serial one.
+# Compares the program for several ranks (MPI=1) with the serial one.
 ranks:
 	@$(MAKE) MPI= $(BUILD)/release/bezel
 	@$(MAKE) MPI=1 $(BUILD)/mpi/bezel
@@ -166,16 +166,16 @@ verify-all: setup
 mutants: setup
 	@$(MAKE) KIND=sanitize $(BUILD)/sanitize/bezel
 	@$(PYTHON) -m verification.soak --mutants 500 --bezel $(BUILD)/sanitize/bezel --jobs $(J)
-# Hostile inputs, kills, signals, limits and units for MINUTES, drawn from SEED. ARGS=--write updates the page.
+# Hostile inputs, kills, signals, limits and units for MINUTES minutes, drawn from SEED. ARGS=--write updates the page.
 soak: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.soak --bezel $(B)/bezel --minutes $(MINUTES) --seed $(SEED) --jobs $(J) $(ARGS)
-# Takes hours and continues after an interruption. ARGS=--write updates the committed tables.
+# Takes hours; can be interrupted and continued. ARGS=--write updates the committed tables.
 verify-long: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 3 $(ARGS)
 	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite long $(ARGS)
-# Takes an hour and continues after an interruption. Errors and CPU seconds, their page and figures.
+# Errors and CPU seconds of contact, with their page and figures. Takes an hour; can be interrupted and continued.
 tradeoff: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.tradeoff --bezel $(B)/bezel --out $(BUILD)/tradeoff $(ARGS)
@@ -190,7 +190,7 @@ demo-rocker: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m post.figures.rocker --bezel $(B)/bezel --out $(BUILD)/rocker $(ARGS)
 
-# First the programs that time a part, verification/performance/<part>/bench_<part>.f90, then the decks.
+# Programs that time a part of bezel, verification/performance/<part>/bench_<part>.f90, come first, then decks.
 BENCH := $(patsubst verification/performance/%.f90,$(B)/%,$(wildcard verification/performance/*/bench_*.f90))
 bench:
 	@tools/setup.sh bench
@@ -202,7 +202,7 @@ bench_parts: $(BENCH)
 $(BENCH): $(B)/%: verification/performance/%.f90 $(B)/libbezel.a
 	@mkdir -p $(@D); $(FC) -std=f2008 $(WARN) $(OPT) -J$(@D) -I$(B) $^ $(LIBS) -o $@
 
-# The same tests with a build that finds errors; coverage prints the lines that were executed.
+# The tests with a build that checks at run time; coverage prints which lines were executed.
 .PHONY: debug sanitize coverage
 debug sanitize: setup
 	@$(MAKE) KIND=$@ tests
@@ -229,7 +229,7 @@ lint:
 format:
 	@tools/setup.sh dev
 	@$(FORMAT) && .venv/bin/ruff format $(PYTHONS)
-# The pages are written for the viewer of a repository (# Title, $$..$$ in a line, links to .md): FORD's form.
+# The pages have the form that repository viewers show (# Title, $$..$$ in a line, links to .md); this makes FORD's form.
 FORD_FORM := '1s/^\# (.*)/---\ntitle: \1\n---/; s/(^|[^$$])\$$([^$$]+)\$$/\1\\(\2\\)/g; s/\]\(([A-Za-z0-9_/]+)\.md/](\1.html/g'
 doc:
 	@tools/setup.sh dev
@@ -245,24 +245,24 @@ clean:
 	@rm -rf $(BUILD)
 
 #: make               $(BUILD)/release/bezel
-#: make check         unit tests, bad decks, manual, post, patch tests, files and signals: what a commit must pass
-#: make MPI=1         $(BUILD)/mpi/bezel for mpirun; make check MPI=1: on 1, 2 and 3 ranks
-#: make unit T=word   the unit tests whose path has the word, and what they need
-#: make verify        patch tests and quick benchmarks; verify-all: every one, restarts, sanitizers
-#: make soak          MINUTES= of hostile inputs, kills, signals, limits and units, drawn from SEED=
-#: make demo          runs three decks, draws their figures, says where they are
-#: make demo-rocker   a body below a net of quads, a pin pressed on it and slid; Gmsh or TetGen
-#: make tradeoff      speed for accuracy of contact: what to choose (an hour)
-#: make bench         times the parts and the program, beside the record
-#: make debug | sanitize | coverage   the tests with checks, with sanitizers, with lines counted
-#: make lint | format                 style, layers; write the formatting
-#: make doc | manual                  pages into $(BUILD)/doc; every deck word has a page and an example
-#: make install       into PREFIX=/usr/local, below DESTDIR=; make deb: a Debian package
+#: make check         all that a commit must pass: unit tests, bad decks, manual, post, patch tests, files, signals
+#: make MPI=1         $(BUILD)/mpi/bezel for mpirun; make check MPI=1 tests it on 1, 2 and 3 ranks
+#: make unit T=word   builds and runs the unit tests whose path contains the word
+#: make verify        patch tests and quick benchmarks; verify-all adds the slow ones, restarts and sanitizers
+#: make soak          hostile inputs, kills, signals, limits, units; MINUTES= limits the time, SEED= selects them
+#: make demo          runs three decks and draws their figures
+#: make demo-rocker   meshes a body below a net of quads, slides a pin on it; needs Gmsh or TetGen
+#: make tradeoff      accuracy against cost of the contact options (takes an hour)
+#: make bench         times bezel and its parts, and compares them with the record
+#: make debug | sanitize | coverage   the tests with run-time checks, sanitizers, or coverage of lines
+#: make lint | format                 checks style and layers | formats the sources
+#: make doc | manual                  pages in $(BUILD)/doc | checks pages and examples of all deck words
+#: make install       installs into PREFIX=/usr/local, below DESTDIR=; make deb makes a Debian package
 #: make clean         removes $(BUILD)/
 #:
-#: check, demo and verify install what is missing where they may (apt, pip); else they name it.
-#: Variables: J= jobs ($(J)), BUILD= folder of builds, NATIVE=1 for this processor, FC= compiler,
-#: PFUNIT= a pFUnit 4.14 to run the unit tests under, MUMPS_DIR= METIS_DIR= HDF5_DIR= prefixes,
-#: MUMPS_LIBS= names to link, LDFLAGS= more of them.
+#: check, demo and verify install what is missing (apt, pip); where they may not, they name it.
+#: Variables: J= jobs ($(J)), BUILD= folder for builds, NATIVE=1 optimises for this processor, FC= compiler,
+#: PFUNIT= a pFUnit 4.14 to use for the unit tests, MUMPS_DIR= METIS_DIR= HDF5_DIR= prefixes,
+#: MUMPS_LIBS= the libraries of MUMPS, LDFLAGS= further flags for linking.
 help:
 	@sed -n 's/^#: \{0,1\}//p' Makefile | sed 's|$$(BUILD)|$(BUILD)|g; s|$$(J)|$(J)|g'

@@ -1,17 +1,18 @@
 # Sources that are compiled for speed, and copies of some of them for wider vector registers.
 #
-# The Makefile includes this file. It is in src because its lists name sources, so that they are found
-# when a source is renamed.
+# The Makefile includes this file. It is in src because its lists name sources, so that whoever renames a
+# source finds them.
 
-# Files whose inner loops take most of the run time. Their automatic arrays are small and go to the
-# stack: allocating them would cost as much as the loops.
+# Files whose inner loops take most of the run time. Their automatic arrays are small and are put on the
+# stack, since allocating them would cost as much as the loops.
 KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel solid_point \
                 solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
                 projection projection_iterate surface_traversal surface_chart contact_element contact_point \
                 contact_work contact_bond edge_taper contact_facets contact_cells contact_mortar \
                 contact_scatter csr_coupling polygon bspline
-# These are also compiled for wider vector registers under other names (@ becomes _v3, _v4); the
-# program chooses what its processor supports (solid_simd). Fused products save 15 % here.
+# Files that are also compiled for wider vector registers, under other names (@ becomes _v3 or _v4); at
+# run time the program chooses the widest that the processor supports (solid_simd). Fused multiply-adds
+# save 15 % of the time here.
 WIDE         := elements/solid_batch@ elements/solid_batch@_algebra elements/solid_batch@_condense \
                 materials/mate_neohooke@
 MARCH_v3     := -march=x86-64-v3 -ffp-contract=fast

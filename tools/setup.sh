@@ -1,13 +1,13 @@
 #!/bin/sh
 # Install what `make check` and `make demo` need; quick and silent if nothing is missing.
 # usage: tools/setup.sh            compiler, libraries, Python packages of `post` in .venv
-#        tools/setup.sh dev        and the tools of `make lint`, `make coverage`, `make doc`
-#        tools/setup.sh bench      and FElupe and CalculiX, which `make bench` compares with
-#        tools/setup.sh mesh       and Gmsh and TetGen, which `python -m post mesh` starts
-#        MPI=1 tools/setup.sh      MUMPS and compiler for several ranks instead of the serial ones
+#        tools/setup.sh dev        also the tools of `make lint`, `make coverage` and `make doc`
+#        tools/setup.sh bench      also FElupe and CalculiX, with which `make bench` compares
+#        tools/setup.sh mesh       also Gmsh and TetGen, which `python -m post mesh` starts
+#        MPI=1 tools/setup.sh      MUMPS and compiler for several ranks, instead of the serial ones
 #        tools/setup.sh libraries  install nothing, only report what is missing
-# With apt and the permission to use it (root or sudo) missing packages are installed; otherwise one
-# sentence names them, and the exit code is 1.
+# Missing packages are installed if there is apt and the permission to use it (root or sudo); otherwise
+# one sentence names them, and the exit code is 1.
 set -eu
 cd "$(dirname "$0")/.."
 unset MAKEFLAGS MFLAGS MAKELEVEL 2>/dev/null || true
@@ -23,14 +23,14 @@ APT="gfortran make pkg-config $mumps_apt libmetis-dev libhdf5-dev libopenblas-de
 
 has() { command -v "$1" >/dev/null 2>&1; }
 
-# Whether a program that contains $2 links with $1 and the folders that the Makefile found.
+# Whether a program that contains $2 can be linked with $1 and the folders that the Makefile found.
 links() {
   printf '%s\nend\n' "$2" > "$work/try.f90"
   # shellcheck disable=SC2086
   $FC $INCLUDE "$work/try.f90" $folders $1 -J"$work" -o "$work/try" >/dev/null 2>&1
 }
 
-# Whether library $1 seems to be installed: without a compiler nothing can be linked.
+# Whether library $1 seems to be installed; used without a compiler, when linking cannot be tried.
 installed() {
   for folder in $(printf '%s\n' $folders | sed 's/^-L//') /usr/lib /usr/lib64 /usr/lib/* \
       /usr/lib/*/hdf5/serial /usr/local/lib /usr/local/lib64; do
@@ -60,7 +60,7 @@ include 'smumps_struc.h'" && return
   links -lopenblas '' || echo openblas
 }
 
-# Find a Python that can make a virtual environment; Debian has venv in a separate package.
+# Find a Python that can make a virtual environment; on Debian venv is a separate package.
 find_python() {
   for name in python3 python3.14 python3.13 python3.12 python3.11 /usr/bin/python3; do
     if has "$name" && "$name" -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then
@@ -87,7 +87,7 @@ missing_python() {
   fi
 }
 
-# The names of a package in the package collections.
+# What item $1 is, and its package names for apt, dnf, conda and Spack.
 names() {
   case $1 in
     make)     echo 'make|make|make|make|make' ;;
@@ -112,12 +112,12 @@ report_missing() {
     conda="$conda $(echo "$row" | cut -d'|' -f4)"; spack="$spack $(echo "$row" | cut -d'|' -f5)"
   done
   cat >&2 <<TEXT
-missing: $what; install with one of
+missing: $what; install it with one of
   apt install$apt
   dnf install$dnf
   conda install -c conda-forge$conda
   spack install$spack
-(or load modules of your cluster); MUMPS_DIR= METIS_DIR= HDF5_DIR= name folders, MUMPS_LIBS= other library names: make help
+or load modules of your cluster. MUMPS_DIR= METIS_DIR= HDF5_DIR= set folders, MUMPS_LIBS= library names; see make help.
 TEXT
   exit 1
 }
@@ -176,7 +176,7 @@ case ${1:-} in
           .venv/bin/python .venv/bin/gmsh -version >/dev/null 2>&1 ||
             { APT='libglu1-mesa libxcursor1 libxft2 libxinerama1 libxext6'; apt_install; }
         fi ;;
-      bench) # missing programs are omitted from the comparison
+      bench) # programs that cannot be installed are left out of the comparison
         has ccx || { APT=calculix-ccx; apt_install; }
         pip_install tools/requirements-bench.txt || true ;;
     esac ;;

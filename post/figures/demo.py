@@ -67,7 +67,7 @@ def draw_twist(bezel, out):
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(prog="demo", description="Run two decks and draw their results.")
+    p = argparse.ArgumentParser(prog="demo", description="Run three decks and draw their results.")
     p.add_argument("--bezel", type=pathlib.Path, default=TOP / "build/release/bezel")
     p.add_argument("--out", type=pathlib.Path, default=TOP / "build/demo", metavar="DIR")
     o = p.parse_args(argv)

@@ -1,4 +1,4 @@
-# Completion of bezel in bash: options, their values, and decks.
+# Completion for bezel in bash: options, their values, and decks.
 _bezel() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}
   COMPREPLY=()

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Write what a Debian package has besides the installed files.
+# Write the files that a Debian package needs besides the installed ones.
 # usage: deb.sh ROOT VERSION MAINTAINER
 set -eu
 root=$1 version=$2 maintainer=$3
@@ -41,7 +41,7 @@ TEXT
   sed '1,/^Copyright/d' LICENSE | sed '/./,$!d; s/^$/./; s/^/ /'
 } > "$doc/copyright"
 mkdir -p "$root/usr/share/lintian/overrides"
-# There is no request in Debian's tracker that the first upload would close.
+# The first upload closes no request in Debian's bug tracker, because there is none.
 echo 'bezel: initial-upload-closes-no-bugs' > "$root/usr/share/lintian/overrides/bezel"
 find "$root/usr" -type d -exec chmod 755 {} +
 chmod 644 "$doc"/copyright "$doc"/changelog*.gz

@@ -21,7 +21,7 @@ install: $(B)/bezel
 	@install -m 644 CHANGELOG.md README.md LICENSE $(SHARED)/doc/bezel
 	@echo "  $(DESTDIR)$(PREFIX)/bin/bezel, bezel-post; decks in $(SHARED)/doc/bezel/examples"
 
-# A Debian package of what `install` puts into /usr; the libraries that it needs are those that the program is linked with.
+# A Debian package of what `install` puts into /usr; it depends on the libraries with which the program is linked.
 deb: ROOT = $(BUILD)/deb/root
 deb: $(B)/bezel
 	@rm -rf $(BUILD)/deb && mkdir -p $(ROOT)/DEBIAN $(BUILD)/deb/debian

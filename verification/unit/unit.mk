@@ -1,8 +1,8 @@
-# `make unit` builds and runs the unit tests; T= selects those whose path contains one of its words
-# and builds only what they need.
+# `make unit` builds and runs the unit tests. With T= only the tests whose path contains one of its words
+# are run, and only what they need is built.
 #
-# The Makefile includes this file. It is beside the tests and `runner`, the small runner that is used
-# if PFUNIT= does not name an installation of pFUnit.
+# The Makefile includes this file. It is in the folder of the tests and of `runner`, the small runner that
+# is used unless PFUNIT= names an installation of pFUnit.
 
 RUNNER := verification/unit/runner
 PF     := $(wildcard verification/unit/*/test_*.pf)
