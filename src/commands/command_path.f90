@@ -209,7 +209,7 @@ contains
 
   !> Set the parameters given in the deck, or else those of FEAP: 1/4 and 1/2; for HHT they follow
   !! from alpha, whose default is -0.05. As in FEAP, a beta or gamma of 0 is replaced; an alpha of 0
-  !! is Newmark's scheme.
+  !! gives Newmark's scheme.
   pure subroutine set_scheme(command, method, beta, gamma, alpha)
     type(command_t), intent(in) :: command
     integer, intent(out) :: method

@@ -78,7 +78,7 @@ contains
         return
       end if
       list = pack([(i, i=first, last, step)], model%mesh%used(first:last:step))
-      if (command%option == 'coor') then ! the nodes of a plane
+      if (command%option == 'coor') then ! print the nodes of a plane
         d = nint(command%x(1))
         associate (x => model%mesh%xr)
           gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))

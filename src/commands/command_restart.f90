@@ -84,7 +84,7 @@ contains
   subroutine keep_integration(run, command, deck)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
-    type(dynamics_t), intent(in) :: deck !! before the checkpoint was read
+    type(dynamics_t), intent(in) :: deck !! dynamics before the checkpoint was read
     logical :: stops
     integer :: i
 

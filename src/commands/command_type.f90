@@ -88,10 +88,10 @@ module command_type
     logical :: prints = .true.                  !! PRINt and NOPRint
     logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
     real(wp), allocatable :: closed_at          !! end of the last step, or start of the first
-    logical :: corner_warned = .false.          !! see table_use for this and the next two
+    logical :: corner_warned = .false.          !! see table_use, as for `acted` and `ended`
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
-    logical, allocatable :: acted(:)            !! (0:ntable) the factor was not 0 in some step
-    logical, allocatable :: ended(:)            !! (ntable) the warning about its end was issued
+    logical, allocatable :: acted(:) !! (0:ntable) the factor was nonzero in at least one step
+    logical, allocatable :: ended(:) !! (ntable) the warning about the end of the table was issued
   end type plan_t
 
   !> Values of one row of a curve.

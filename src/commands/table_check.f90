@@ -130,7 +130,7 @@ contains
           call say('PRESsure', bc%dead(i)%place, OWN//'PROP k')
         end if
       end do
-      if (any(bc%table > 0)) return ! FPRO or EPRO give the numbers of nodes, also those that are 0
+      if (any(bc%table > 0)) return ! FPRO or EPRO give all load numbers of nodes, even if 0
       if (any(abs(bc%force) > 0.0_wp)) then
         call say('FORCe', hint=OWN//'FPROportional or EPROportional')
       end if

@@ -324,7 +324,7 @@ contains
         c = c + 1
         cycle
       end if
-      call remove_corner(c, m, corner, tag) ! only the edge after both corners remains
+      call remove_corner(c, m, corner, tag) ! the edge between the two corners is dropped
     end do
     if (m < 3) m = 0
   end subroutine join_corners

@@ -156,7 +156,7 @@ contains
       x = p(:, LINES(2, q)) - 0.5_wp*(p(:, LINES(1, q)) + p(:, LINES(3, q)))
       a(:, 1) = (p(:, LINES(3, q)) - p(:, LINES(1, q)))/length
       x = x - dot_product(x, a(:, 1))*a(:, 1)
-      x = x - dot_product(x, n(:, 5))*n(:, 5) ! within the tangent plane
+      x = x - dot_product(x, n(:, 5))*n(:, 5) ! component in the tangent plane
       bend = max(bend, norm2(x)/length)
     end do
     ! the deviation is inversely proportional to the square of m, the angle to m itself

@@ -41,7 +41,7 @@ module contact_pair
   !! Edges 1 to 4 of an element: xi-, xi+, eta-, eta+. Corners 1 to 4: (-,-) (+,-) (-,+) (+,+).
   type :: surface_t
     character(:), allocatable :: name        !! as in the deck, such as: hemi 3-
-    logical :: rigid = .false.               !! rigid: its nodes are prescribed, no integration
+    logical :: rigid = .false. !! its nodes are prescribed, and it has no integration points
     real(wp) :: thickness = 0.0_wp !! thickness of the body behind it [L]; 0: unknown or rigid
     integer :: nelem = 0
     type(surface_basis_t), allocatable :: basis(:)
@@ -50,7 +50,7 @@ module contact_pair
     integer, allocatable :: node(:)          !! nodes and control points of all elements
     real(wp), allocatable :: w(:)            !! (size(node)) weights; not allocated: all one
     integer, allocatable :: block(:), elem(:), face(:) !! (nelem) block, element, local face
-    real(wp), allocatable :: width(:)        !! (nelem) root of the reference area [L]
+    real(wp), allocatable :: width(:)        !! (nelem) square root of the reference area [L]
     !> (4, nelem) element across an edge; 0: the edge belongs to the outer boundary.
     integer, allocatable :: neighbour(:, :)
     integer, allocatable :: edge(:, :)       !! (4, nelem) edge of the neighbour; negative: reversed
@@ -84,7 +84,7 @@ module contact_pair
 
   !> A law of a contact and its numbers.
   type :: assigned_law_t
-    logical :: given = .false.               !! the deck has its record
+    logical :: given = .false.               !! the deck gives this law
     type(contact_law_t) :: law
     real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp  !! columns: contact_type, or the law's file
     logical :: auto = .false.                !! the penalty follows from stiffness and element size
@@ -130,7 +130,7 @@ module contact_pair
     !! is none.
     integer, allocatable :: closest(:)       !! (np)
     real(wp), allocatable :: closest_xi(:, :) !! (2, np)
-    integer, allocatable :: closest_step(:)  !! (np) the same at the start of the step
+    integer, allocatable :: closest_step(:)  !! (np) `closest` at the start of the step
     real(wp), allocatable :: closest_xi_step(:, :)
     !> Element of the stored sliding point on the other surface, which moves only when a step is
     !! accepted; 0: none.
@@ -164,7 +164,7 @@ module contact_pair
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no projection
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
-    real(wp), allocatable :: traction(:, :)  !! (3, np) on this side [F/L^2]
+    real(wp), allocatable :: traction(:, :)  !! (3, np) traction on this side [F/L^2]
     real(wp), allocatable :: friction(:, :)  !! (3, np) part of `traction` [F/L^2]
     !> (3, np) part of the tangential displacement that is not slip [L].
     real(wp), allocatable :: elastic(:, :)
@@ -193,8 +193,8 @@ module contact_pair
     integer, allocatable :: elem(:)          !! (n) ascending
     real(wp), allocatable :: xi(:, :)        !! (2, n)
     real(wp), allocatable :: elastic(:, :)   !! (3, n) see friction_law_i [L]
-    real(wp), allocatable :: slip_rate(:)    !! (n) rate of slip; 0: it did not slip [L/T]
-    real(wp), allocatable :: limit(:)        !! (n) friction at which it slips [F/L^2]
+    real(wp), allocatable :: slip_rate(:)    !! (n) rate of slip; 0: no slip [L/T]
+    real(wp), allocatable :: limit(:)        !! (n) friction at which the point slips [F/L^2]
   end type friction_points_t
 
   !> History of one contact.
@@ -212,7 +212,7 @@ module contact_pair
     !! that stick and slip [L^2]. Largest penetration of the corners of each side and, with MORTAR,
     !! of its points [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
-    logical :: depth_warned = .false.        !! warned about points deeper than `depth`
+    logical :: depth_warned = .false.        !! warning about points deeper than `depth` issued
     !> Over all steps: largest |F1 + F2| of the forces on both sides, relative to the larger force,
     !! and largest penetration relative to the width of an element or the thickness, whichever is
     !! smaller [-]; the largest force [F].

@@ -29,7 +29,7 @@ module contact_point
     real(wp) :: multiplier = 0.0_wp    !! multiplier of the augmentation [F/L^2]
     real(wp) :: full = -1.0_wp         !! [L] depth from which the pressure decreases; negative: it
     !! never does
-    real(wp) :: last = 0.0_wp          !! [L] depth beyond which nothing acts, > 2*full
+    real(wp) :: last = 0.0_wp          !! [L] depth beyond which no pressure acts, > 2*full
     integer :: state = OPEN
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]

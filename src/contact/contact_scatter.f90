@@ -23,7 +23,7 @@ contains
     type(pairs_t), intent(in) :: pairs             !! pairs of side k
     real(wp), intent(in) :: x(:, :), u(:, :)       !! (3, nnode) positions, displacements [L]
     logical, intent(in) :: tangent                 !! false: only the forces are added
-    type(contact_state_t), intent(inout) :: state  !! gets forces and moments
+    type(contact_state_t), intent(inout) :: state  !! its forces and moments are updated
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t

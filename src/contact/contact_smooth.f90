@@ -26,9 +26,9 @@ module contact_smooth
   !> Coefficients at the nodes of a side.
   type :: smooth_t
     integer, allocatable :: node(:)         !! (n) nodes and control points of the side, each once
-    integer, allocatable :: at(:)           !! (size(surface%node)) their positions in `node`
-    real(wp), allocatable :: traction(:, :) !! (3, n) on this side [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, n) the frictional part of it [F/L^2]
+    integer, allocatable :: at(:) !! (size(surface%node)) positions of these nodes in `node`
+    real(wp), allocatable :: traction(:, :) !! (3, n) traction on this side [F/L^2]
+    real(wp), allocatable :: friction(:, :) !! (3, n) the frictional part of the traction [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
     real(wp), allocatable :: slip(:, :)     !! (3, n) elastic part of the slip [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip

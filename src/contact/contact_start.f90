@@ -28,7 +28,7 @@ module contact_start
   !> Elements count as nearest if their gaps exceed the smallest one by at most this fraction of the
   !! width of the element with the smallest gap.
   real(wp), parameter :: NEAREST = 0.01_wp
-  real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of the bonded areas
+  real(wp), parameter :: UNEQUAL = 0.1_wp     !! difference of the bonded areas for a warning
 
   !> Position of two surfaces relative to each other at the start.
   type :: start_t
@@ -40,9 +40,9 @@ module contact_start
     real(wp) :: x(3) = 0.0_wp            !! point with the largest penetration [L]
     integer :: nnear = 0                 !! number of points about as near as the nearest
     integer :: naway(2) = 0              !! number of these where side 1, or side 2, faces away
-    real(wp) :: overlap = 0.0_wp         !! largest one between DEPTh and the body's thickness [L]
+    real(wp) :: overlap = 0.0_wp         !! largest penetration from DEPTh to the thickness [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! point with this penetration [L]
-    integer :: nbehind = 0               !! points of nnear that are behind the whole other body
+    integer :: nbehind = 0               !! those of nnear that are behind the whole other body
     !> No integration point is opposite the other side, but points of the rigid side are.
     logical :: unseen = .false.
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
@@ -219,7 +219,7 @@ contains
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     real(wp), allocatable :: gap(:)      ! gaps of points with a projection [L]
-    integer, allocatable :: away(:)      ! the side that faces away there; 0: none
+    integer, allocatable :: away(:)      ! side that faces away at a point; 0: none
     real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
     logical, allocatable :: behind(:)    ! the point is behind the other body
     real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown

@@ -28,7 +28,7 @@ contains
   !> Assemble a surface from element faces.
   subroutine build_surface(mesh, block, elem, side, name, surface, error)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6 of elements
     character(*), intent(in) :: name
     type(surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
@@ -43,7 +43,7 @@ contains
   !! no element is given a neighbour.
   subroutine gather_faces(mesh, block, elem, side, name, surface)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6 of elements
     character(*), intent(in) :: name
     type(surface_t), intent(out) :: surface
     type(class_t), allocatable :: class(:)

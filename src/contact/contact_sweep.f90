@@ -79,7 +79,7 @@ contains
     type(screw_t), intent(in) :: screw, frame  !! motions of the surface and of the frame
     real(wp), intent(in) :: s
     real(wp), intent(in) :: x_start(:, :), x(:, :)
-    real(wp), intent(inout) :: y(:, :)         !! (3, nnode); other nodes keep their values [L]
+    real(wp), intent(inout) :: y(:, :)         !! (3, nnode) positions; those of other nodes stay
     real(wp) :: rest(3), back(3)
     integer :: i
 
@@ -112,7 +112,7 @@ contains
     integer, intent(in) :: k
     type(screw_t), intent(in) :: screw, frame !! motions of side k and of the other side
     real(wp), intent(in) :: x_start(:, :), x(:, :)
-    real(wp), intent(out) :: depth            !! 0: there is none
+    real(wp), intent(out) :: depth            !! depth of such a point; 0: there is none
     type(triangles_t) :: other
     type(shape_t), allocatable :: shape(:)    ! shapes of side k at the ends of the stages
     type(shape_t) :: far_shape(2)             ! the other side at the start and now
@@ -302,7 +302,7 @@ contains
   !> Find the crossings of a point with the triangles, in chronological order.
   subroutine find_crossings(other, near, p, crossing, ncrossing)
     type(triangles_t), intent(in) :: other
-    integer, intent(in) :: near(:)            !! the triangles to look at
+    integer, intent(in) :: near(:)            !! triangles to examine
     real(wp), intent(in) :: p(:, 0:)          !! (3, 0:m) path of the point
     type(crossing_t), intent(out) :: crossing(MOST_CROSSINGS)
     integer, intent(out) :: ncrossing
@@ -368,7 +368,7 @@ contains
   pure real(wp) function depth_of_way(other, p, crossing) result(depth)
     type(triangles_t), intent(in) :: other
     real(wp), intent(in) :: p(:, 0:)
-    type(crossing_t), intent(in) :: crossing(:) !! the first one enters
+    type(crossing_t), intent(in) :: crossing(:) !! crossings, of which the first is an entry
     real(wp) :: t, last, d
     integer :: i, out
 

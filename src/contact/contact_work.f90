@@ -321,7 +321,7 @@ contains
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
     real(wp), intent(in) :: t(3)                 !! traction on the side of the point [F/L^2]
-    real(wp), intent(in) :: da                   !! as in add_own
+    real(wp), intent(in) :: da                   !! area [L^2], as in add_own
     type(work_t), intent(inout) :: work
     type(foot_t), intent(in), optional :: foot   !! projection where the force acts, if it moves
     real(wp), intent(in), optional :: x(3)       !! the point [L]

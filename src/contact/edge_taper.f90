@@ -28,7 +28,7 @@ contains
   !!
   !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
   pure subroutine taper_edge(width, outside, foot, point, dt)
-    real(wp), intent(in) :: width          !! relative to the element
+    real(wp), intent(in) :: width          !! width relative to the element
     logical, intent(in) :: outside(4)      !! edges xi-, xi+, eta-, eta+ on the outer boundary
     type(foot_t), intent(in) :: foot
     type(point_t), intent(inout) :: point

@@ -174,9 +174,9 @@ contains
     from = iterate%xi
     f = iterate%f
     step = d
-    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) step = 0.0_wp ! due to rounding
+    where (abs(from) >= 1.0_wp .and. from*d > 0.0_wp) step = 0.0_wp ! only rounding
     do i = 1, 2
-      if ((from(i) + fraction*step(i))*sign(1.0_wp, step(i)) < 1.0_wp) cycle ! short of the edge
+      if ((from(i) + fraction*step(i))*sign(1.0_wp, step(i)) < 1.0_wp) cycle ! ends before the edge
       if (.not. abs(step(i)) > 0.0_wp) cycle
       fraction = min(fraction, max(0.0_wp, (sign(1.0_wp, step(i)) - from(i))/step(i)))
       meets = i

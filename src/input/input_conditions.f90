@@ -28,7 +28,7 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, but for
   !! squared distances
 
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! relative difference of displacements that are equal
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements that differ by less are equal [-]
 
   !> Names of the words R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, names of the words that give
   !! these conditions by node number, and names of their values.
@@ -149,7 +149,7 @@ contains
 
     associate (u => bc%value(:, m), v => bc%value(:, n))
       do d = 1, 3
-        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! only one gives it
+        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! only one node gives it
         if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
                   //', to which DISPlacement gives '//to_text(u(d))//' and '//to_text(v(d)) &

@@ -14,8 +14,8 @@ module input_constraint
 
   real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! distance between a slave and the position that its
   !! masters give it, relative to their extent
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! error of a sum of coefficients or of a prescribed
-  !! value
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients or of a
+  !! prescribed value
 
 contains
 

@@ -256,7 +256,7 @@ contains
 
   !> Lines between the middles of opposite edges of a quadrilateral.
   pure function middle_lines(x) result(line)
-    real(wp), intent(in) :: x(:, :) !! (3, 4) corners, one after another [L]
+    real(wp), intent(in) :: x(:, :) !! (3, 4) corners in cyclic order [L]
     real(wp) :: line(3, 2)
 
     line(:, 1) = x(:, 2) - x(:, 1) + x(:, 3) - x(:, 4)

@@ -172,7 +172,7 @@ module input_draft
     logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
     logical :: in_set = .false.        !! between a word and the blank record of its set
     logical :: skips_comments = .false. !! skip comments in the set instead of closing it
-    integer :: closed = 0              !! row of the word of this or the last set
+    integer :: closed = 0 !! row of the word of this set or, between sets, of the last one
     type(place_t) :: closed_place      !! place where that set begins
     integer :: closed_line = 0         !! line in which it ends
     logical :: has_pending = .false.

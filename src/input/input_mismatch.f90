@@ -39,9 +39,9 @@ contains
   subroutine warn_mismatch(draft, mesh, told)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: told(:, :)    !! (nbody, nbody) first body first
+    logical, intent(in) :: told(:, :)    !! (nbody, nbody) pairs of bodies a < b
     type(faces_t) :: faces
-    type(mismatch_t) :: hanging, unequal ! faces with nodes that hang; other faces
+    type(mismatch_t) :: hanging, unequal ! faces with hanging nodes; other faces
     logical :: hangs(mesh%nnode), held(mesh%nnode), loose(MOST)
     integer :: f, g
 
@@ -179,7 +179,7 @@ contains
           do f = 1, topology%nface
             node = unique(conn(topology%node(topology%first(f):topology%first(f + 1) - 1), e))
             corner = [(any(conn(topology%corner, e) == node(i)), i=1, size(node))]
-            if (count(corner) < 3 .or. any(held(node))) cycle ! fewer if the face is collapsed
+            if (count(corner) < 3 .or. any(held(node))) cycle ! collapsed, or held by a constraint
             n = n + 1
             all_faces%block(n) = b
             all_faces%elem(n) = e

@@ -20,7 +20,7 @@ contains
     type(record_t), intent(in) :: line
     integer, intent(inout) :: i
     character(*), intent(in) :: option(:) !! words that the record accepts, with their values
-    character(*), intent(in) :: usage     !! form of the record with all of them
+    character(*), intent(in) :: usage     !! form of the record with all options
     logical, intent(inout) :: seen(:)     !! (size(option))
     character(4), intent(out) :: key      !! key of the option; blank: there are no more options
     type(error_t), allocatable, intent(out) :: error

@@ -221,7 +221,7 @@ contains
       if (.not. given(3*i + 8)) call fill_face(x(:, :, i, :))
       if (.not. given(9*i - 4)) call fill_face(x(:, :, :, i))
     end do
-    if (.not. given(14)) then ! FEAP uses edges of two faces, middles of the others
+    if (.not. given(14)) then ! FEAP: edges of two faces, middles of the others
       edges = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
               + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
               + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)

@@ -73,7 +73,7 @@ contains
                   //to_text(last%number), line%place(1), 'list the elements in increasing order')
         return
       end if
-      do while (last%number > 0 .and. last%number < e%number - 1) ! generate those between
+      do while (last%number > 0 .and. last%number < e%number - 1) ! generate the elements in between
         last%number = last%number + 1
         where (last%node > 0) last%node = last%node + last%increment
         call store(draft, last, line, error)

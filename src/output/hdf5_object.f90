@@ -29,12 +29,12 @@ module hdf5_object
     character(:), allocatable :: path
   end type hdf5_t
 
-  !> put_attribute(file, object, name, value, error): text, or integers, stored with 64 bits.
+  !> put_attribute(file, object, name, value, error) stores text, or integers with 64 bits.
   interface put_attribute
     module procedure put_text, put_integers
   end interface put_attribute
 
-  !> get_attribute(file, object, name, value, error)
+  !> get_attribute(file, object, name, value, error) reads text or integers.
   interface get_attribute
     module procedure get_text, get_integers
   end interface get_attribute

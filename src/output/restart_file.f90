@@ -56,7 +56,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: second
     type(archive_t) :: archive
-    type(state_t) :: state_copy ! a copy, as an archive may change what it exchanges
+    type(state_t) :: state_copy ! a copy, because an archive may change what it exchanges
     type(named_values_t) :: values_copy
     integer :: i
 

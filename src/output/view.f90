@@ -30,7 +30,7 @@ module view
     integer, allocatable :: body(:)         !! (ncell) PATCh in the order of the deck; 0: FEAP mesh
     integer, allocatable :: block(:)  !! (ncell) block of the mesh, which gives the element type
     integer, allocatable :: element(:)      !! (ncell) element number
-    character(:), allocatable :: type_names !! '1 Q1N2.1, 2 Q1'
+    character(:), allocatable :: type_names !! such as '1 Q1N2.1, 2 Q1'
   end type view_t
 
   !> A cell for one class of elements.

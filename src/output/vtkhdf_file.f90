@@ -18,7 +18,7 @@ module vtkhdf_file
   private
   public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
 
-  integer, parameter :: FIRST_ROOM = 8 !! number of steps
+  integer, parameter :: FIRST_ROOM = 8 !! steps for which a new file has space
 
   type :: vtkhdf_t
     character(:), allocatable :: path

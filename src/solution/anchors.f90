@@ -89,7 +89,7 @@ contains
     type(free_body_t), intent(in) :: body(:)
     integer, intent(in) :: eq(:, :)           !! (3, nnode)
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) [L]
-    real(wp), intent(in) :: du(:, :)          !! (3, nnode) since the start of the step [L]
+    real(wp), intent(in) :: du(:, :) !! (3, nnode) displacement since the start of the step [L]
     real(wp), intent(out) :: motion(:, :)     !! (6, body)
     real(wp), intent(out) :: load             !! [F]
     real(wp), allocatable :: v(:, :)

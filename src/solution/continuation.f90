@@ -209,9 +209,9 @@ contains
     call log_line('path: arc length control takes over, first length '//to_text(length))
   end subroutine follow_arc
 
-  !> Add inertia to the next steps. The density is that of the deck, or one for which the initial
-  !! motion, which is the mean motion since the start, has a small energy. The result is false if
-  !! there is no such density.
+  !> Add inertia to the next steps. The density is that of the deck or, if the deck gives none, one
+  !! with which the kinetic energy of the initial motion is small. The initial motion is the mean
+  !! motion since the start. The result is false if there is no such density.
   function adds_inertia(step, model, state, what, why) result(added)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model

@@ -40,8 +40,8 @@ module convergence
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
-  real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this, an increment is Newton's
-  real(wp), parameter :: NEARLY = 3.0_wp !! ratio up to which a residual is as expected
+  real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this error, an increment is Newton's
+  real(wp), parameter :: NEARLY = 3.0_wp !! a residual up to this multiple is as expected
   real(wp), parameter :: MARGIN = 0.2_wp !! permitted residual of a solve, relative to the tolerance
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation

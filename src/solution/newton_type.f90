@@ -13,7 +13,7 @@ module newton_type
   type :: newton_t
     type(assembler_t) :: asm
     type(linear_system_t) :: system
-    type(path_constraint_t) :: constraint !! for a step whose time is unknown
+    type(path_constraint_t) :: constraint !! measure prescribed in a step whose time is unknown
     type(stabilisation_t) :: hold      !! stabilises bodies that contact does not hold yet
     type(damped_t) :: damped           !! damped increments of this step
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
@@ -28,8 +28,8 @@ module newton_type
     logical :: exact = .true.          !! every solve of the step used the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
-    real(wp) :: before_solve = 0.0_wp !! largest residual before it; 0: prescribed motion [F]
-    real(wp) :: expected = 0.0_wp      !! largest residual expected after it [F]
+    real(wp) :: before_solve = 0.0_wp !! residual before that solve; 0: prescribed motion [F]
+    real(wp) :: expected = 0.0_wp      !! residual expected after that solve [F]
     integer :: sign = 0                !! sign of the last tangent's determinant; 0: not known
     integer :: flips = 0               !! consecutive iterations that changed the sign
     real(wp), allocatable :: rhs(:)    !! (neq) [F]
@@ -41,7 +41,7 @@ module newton_type
     real(wp), allocatable :: moved(:, :) !! (3, nnode) prescribed part of the last increment [L]
     logical :: has_moved = .false.     !! some of `moved` is not zero
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
-    logical :: predicted = .false.     !! displacements are predicted; no forces yet
+    logical :: predicted = .false.     !! displacements are predicted, forces not formed yet
     logical :: may_retreat = .false.   !! the last increment may be shortened
   end type newton_t
 
@@ -60,7 +60,7 @@ module newton_type
     type(floor_t) :: floor
     type(solve_report_t) :: solve
     real(wp) :: energy = 0.0_wp        !! |du.r| [F L]
-    real(wp) :: ratio = 0.0_wp         !! |du.r| / largest of the step
+    real(wp) :: ratio = 0.0_wp         !! |du.r|, relative to the largest one of the step
     real(wp) :: residual = 0.0_wp      !! largest component at a free dof [F]
     integer :: worst(2) = 0            !! direction and node of this residual
     real(wp) :: line = 1.0_wp          !! fraction of the increment that was taken

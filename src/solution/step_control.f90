@@ -31,7 +31,7 @@ module step_control
   integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow
   integer, parameter :: MANY = 15    !! iterations above which the next step is smaller
   integer, parameter :: PATIENCE = 8 !! number of steps that stay shorter than a failed one
-  real(wp), parameter :: SHORTER = 0.75_wp !! step after a failed step longer than dt
+  real(wp), parameter :: SHORTER = 0.75_wp !! next length after a failed step longer than dt
 
 contains
 

@@ -32,7 +32,7 @@ module step_type
     type(newton_t) :: newton
     type(pass_t) :: pass                 !! outcome of the last Newton iteration
     logical :: open = .false.            !! a step is in progress
-    logical :: timed = .false.           !! a TIME began it
+    logical :: timed = .false.           !! a TIME began the step
     logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in the step
     integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
@@ -40,7 +40,7 @@ module step_type
     logical :: damps = .false.           !! the next attempt of the step has damped increments
     integer :: damped = 0                !! attempts of the step with damped increments
     logical :: exhausted = .false.       !! the step has been cut to dtmin without damping
-    integer :: start_step = 0            !! number and time of the state at its start
+    integer :: start_step = 0            !! number and time of the state at the start of the step
     real(wp) :: start_time = 0.0_wp
     integer :: start_iterations = 0      !! total number of iterations when the step began
     logical :: start_held = .false.      !! an earlier step had to stabilise a body
