@@ -8,7 +8,7 @@
 !!
 !! When a contact opens, closes, slips or moves on, the penalty changes a few rows of A. M does not
 !! contain these changes, and iterations with M alone find the corresponding motions only one by
-!! one. A_SS is small, and is factorised for each matrix. S grows until M is renewed.
+!! one. A_SS is small, and is factorised anew for each matrix A. S grows until M is renewed.
 module factor_correction
   use base_agreement, only: agree
   use base_comm, only: largest

@@ -15,7 +15,7 @@ module krylov
   type :: krylov_report_t
     logical :: converged = .false.
     logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
-    logical :: slow = .false.          !! the solve was abandoned because it was slow
+    logical :: slow = .false.          !! abandoned, because convergence was too slow
     integer :: iterations = 0          !! number of applications of the preconditioner
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t
@@ -151,7 +151,7 @@ contains
     real(wp), intent(in) :: tolerance
     integer, intent(in) :: iterations, limit
     logical, intent(in), optional :: hurries
-    integer, parameter :: TRIAL = 6            !! iterations that are made in any case
+    integer, parameter :: TRIAL = 6            !! number of iterations that are always made
     real(wp), parameter :: ALLOWANCE = 1.5_wp  !! factor, because convergence may become faster
 
     is_slow = .false.

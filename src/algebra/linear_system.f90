@@ -56,7 +56,8 @@ module linear_system
   !> Largest number of operations of a correction, relative to a new factorisation.
   real(wp), parameter :: WORTHWHILE = 0.3_wp
   integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
-  !> A solve is taken to gain at least this many digits, because iterations are whole numbers.
+  !> A solve is taken to gain at least this many digits, because even the easiest one costs a whole
+  !! iteration.
   real(wp), parameter :: FEWEST_DIGITS = 2.0_wp
   integer, parameter :: LEAST_LIMIT = 10 !! smallest limit on iterations with old or inexact factors
   !> The cost of a factorisation in iterations is estimated as PREPARATION, for the assembly of the
@@ -503,7 +504,7 @@ contains
     policy%digits = 0.0_wp
   end subroutine note_factorisation
 
-  !> Record the iterations of a solve.
+  !> Record the cost of a solve, and find out whether the factorisation should be replaced.
   pure subroutine note_solve(policy, iterations, digits, more)
     type(reuse_policy_t), intent(inout) :: policy
     integer, intent(in) :: iterations

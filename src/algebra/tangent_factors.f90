@@ -1,6 +1,6 @@
-!> Factors of the tangent matrix, which are stored in the first of several ways for which there is
-!! enough memory: in double precision, in single precision, compressed, or on disk. Exact factors
-!! replace them if they turn out to be needed.
+!> Factors of the tangent matrix. They are stored in the first of several ways for which memory
+!! suffices: in double precision, in single precision, compressed, or on disk. Exact factors replace
+!! approximate ones if they turn out to be needed.
 module tangent_factors
   use base_agreement, only: agree
   use base_comm, only: is_root, ranks_here, total
@@ -237,8 +237,8 @@ contains
     call analyse(factors, a, error)
   end subroutine use_precision
 
-  !> Factorise the matrix. If approximate factors seem to be singular, exact factors are used to
-  !! decide.
+  !> Factorise the matrix. If the matrix seems to be singular according to approximate factors,
+  !! exact factors decide.
   subroutine renew(factors, a, report, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a

@@ -235,7 +235,7 @@ contains
     yes = caught /= 0
   end function stop_requested
 
-  !> Name of the signal that requested the stop; blank: none.
+  !> Name of the signal that requested the stop; blank if there is none.
   function stop_signal() result(name)
     character(:), allocatable :: name
     integer :: i

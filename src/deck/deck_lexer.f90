@@ -22,7 +22,7 @@ module deck_lexer
   type :: cutter_t
     integer :: at = 1              !! next character
     integer :: last = 0            !! last character of the line
-    logical :: expects = .true.    !! a field is expected, so that a comma here ends an empty one
+    logical :: expects = .true.    !! a field is expected; a comma here means that it is empty
     logical :: continues = .false. !! the line ends with &
     logical :: commented = .false.
     integer :: wrong = 0           !! position of the first error; 0: there is none
@@ -73,7 +73,7 @@ contains
                                     record%spot(cutter%wrong - shift, 1), cutter%hint)
   end subroutine read_record
 
-  !> Add the fields of one line.
+  !> Add the fields of one line to the record.
   subroutine cut_line(text, record, cutter)
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
@@ -117,7 +117,7 @@ contains
     end associate
   end subroutine cut_line
 
-  !> Add a field that is not in quotes.
+  !> Add a field that is not in quotes to the record.
   subroutine cut_plain(text, record, cutter)
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record

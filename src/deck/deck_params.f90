@@ -11,7 +11,7 @@ module deck_params
   type :: name_t
     character(:), allocatable :: text !! lower case
     character(:), allocatable :: spelling !! as in the deck's last assignment
-    integer :: line = 0               !! line of the deck that last set it
+    integer :: line = 0               !! line of the deck's last assignment to it
   end type name_t
 
   type :: params_t

@@ -195,9 +195,9 @@ contains
                  //'.'//part//'; '//error%hint
   end subroutine hint_at_comma
 
-  !> Field that contains the whole part of the first number that seems to be written with a decimal
-  !! comma, such as 1,5: digits on both sides of a comma without a blank. The result is 0 if there
-  !! is none.
+  !> Field that contains the integer part of the first number that seems to be written with a
+  !! decimal comma, such as 1,5: digits on both sides of a comma without a blank. The result is 0 if
+  !! there is none.
   pure integer function comma_field(record, first) result(i)
     type(record_t), intent(in) :: record
     integer, intent(in) :: first !! the field from which the search begins
@@ -212,7 +212,7 @@ contains
     i = 0
   end function comma_field
 
-  !> Field that contains the whole part of a number that is probably written with a decimal comma,
+  !> Field that contains the integer part of a number that is probably written with a decimal comma,
   !! because other numbers of the record are separated by blanks. The result is 0 if there is none.
   !! The first two fields may be a node and its increment.
   pure integer function mixed_comma(record) result(i)

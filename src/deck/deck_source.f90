@@ -168,7 +168,7 @@ contains
     end do
   end function find_source
 
-  !> Read a file into the list.
+  !> Read a file and add it to the list.
   subroutine add_source(list, path, at, error, place)
     type(source_list_t), intent(inout) :: list
     character(*), intent(in) :: path

@@ -232,8 +232,8 @@ contains
     end if
   end subroutine get_integer
 
-  !> Read a record `name = expression` and set the parameter, to the value from the command line if
-  !! there is one.
+  !> Read a record `name = expression` and set the parameter. A value from the command line takes
+  !! precedence over the first value in the deck.
   subroutine get_assignment(deck, record, name, value, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record

@@ -1,4 +1,4 @@
-!> Functions of one direction, tensor products, integration rules and faces of hexahedral elements.
+!> Univariate functions, tensor products, integration rules and faces of hexahedral elements.
 module hexa_shape
   use base_kinds, only: wp
   use bspline, only: bernstein

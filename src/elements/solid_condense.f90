@@ -52,8 +52,8 @@ contains
     end do
   end subroutine condense
 
-  !> Compute x K_aa^-1 with the factors of ldl_factor. Unlike ldl_solve, this procedure treats all
-  !! rows of x at once.
+  !> Compute x K_aa^-1 with the factors that ldl_factor computed. Unlike ldl_solve, this procedure
+  !! treats all rows of x at once.
   pure subroutine solve_rows(nd, np, f, x)
     integer, intent(in) :: nd, np
     real(wp), intent(in) :: f(np, np)

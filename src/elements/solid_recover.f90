@@ -22,8 +22,8 @@ module solid_recover
 
 contains
 
-  !> Compute the state at the points of `basis`: the integration points, or any others. The energy
-  !! of an element is sum(point%energy*point%volume) over its integration points.
+  !> Compute the state at the points of `basis`: the integration points, or any other points. The
+  !! energy of an element is sum(point%energy*point%volume) over its integration points.
   pure subroutine recover(basis, material, prop, xr, u, param, point, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material

@@ -20,7 +20,7 @@ module format_gmsh
 
 contains
 
-  !> Read the whole file; the text must be at its beginning.
+  !> Read the whole file; the current position must be its beginning.
   subroutine read_gmsh(text, file, error)
     type(text_t), intent(inout) :: text
     type(mesh_file_t), intent(out) :: file

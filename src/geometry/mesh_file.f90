@@ -31,7 +31,7 @@ module mesh_file
     integer, allocatable :: node(:)
     integer, allocatable :: label(:)     !! (>= nelem) number of the element in the file
     integer, allocatable :: spot(:)      !! (>= nelem) position in the text
-    logical, allocatable :: solid(:)     !! (nelem) a solid element, and not a repetition
+    logical, allocatable :: solid(:)     !! (nelem) a solid element that repeats no earlier one
     type(file_group_t), allocatable :: group(:)
     integer :: nmember = 0
     integer, allocatable :: member(:, :) !! (2, >= nmember) element and group

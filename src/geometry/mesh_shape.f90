@@ -21,9 +21,9 @@ module mesh_shape
     type(topology_t) :: topology     !! its topology
   end type shape_t
 
-  !> Gmsh types without a row in the table of elements: points, curves and surfaces, which need no
-  !! row, and two solids, which are rejected by name as long as there is no row for them (Gmsh
-  !! reference manual, section MSH file format).
+  !> Gmsh types without a row in the table of elements (Gmsh reference manual, section MSH file
+  !! format). Points, curves and surfaces need no row. Two solids are listed so that an error
+  !! message can name them as long as they have no row.
   character(10), parameter :: OTHER_NAME(10) = [ &
                               'point     ', 'line      ', 'triangle  ', 'quadrangle', &
                               'line      ', 'triangle  ', 'quadrangle', 'quadrangle', &

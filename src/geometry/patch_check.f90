@@ -88,7 +88,8 @@ contains
     call fail(error, DECK_ERROR, "patch '"//spec%name//"' "//what, spec%place, hint)
   end subroutine fail_patch
 
-  !> Check the orders of the enriched faces, and find the degree of the surface of a hemisphere.
+  !> Check the orders that ENRIch gives to faces, and find the degree of the surface of a
+  !! hemisphere.
   subroutine hemisphere_degree(spec, degree, error)
     type(patch_spec_t), intent(in) :: spec
     integer, intent(out) :: degree

@@ -100,8 +100,8 @@ contains
     end if
   end subroutine check_orientation
 
-  !> Reverse direction 3 of a patch if it is left-handed, as patches from files of other programs
-  !! may be.
+  !> Reverse direction 3 of a patch if the patch is left-handed. Files of other programs may contain
+  !! such patches.
   subroutine turn_right_handed(patch, turned)
     type(nurbs_t), intent(inout) :: patch
     logical, intent(out) :: turned

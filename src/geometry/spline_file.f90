@@ -24,7 +24,7 @@ contains
   !> Read a surface from a file.
   subroutine read_spline_file(path, name, surface, place, error)
     character(*), intent(in) :: path
-    character(*), intent(in) :: name      !! name of the surface; blank: the only one
+    character(*), intent(in) :: name      !! name of the surface; blank: the only surface
     type(spline_surface_t), intent(out) :: surface
     type(place_t), intent(in) :: place    !! the record that names the file
     type(error_t), allocatable, intent(out) :: error
@@ -102,7 +102,7 @@ contains
   !> Read one trivariate patch from a file.
   subroutine read_patch_file(path, name, patch, place, error)
     character(*), intent(in) :: path
-    character(*), intent(in) :: name      !! name of the patch; blank: the only one
+    character(*), intent(in) :: name      !! name of the patch; blank: the only patch
     type(nurbs_t), intent(out) :: patch
     type(place_t), intent(in) :: place    !! the record that names the file
     type(error_t), allocatable, intent(out) :: error

@@ -13,7 +13,7 @@ module spline_surface
   public :: spline_surface_t, spline_set_t, start_surface, add_point, check_sizes, add_element, &
             finish_surface, transpose_surface
 
-  integer, parameter :: MOST_FUNCTIONS = 256 !! of one element
+  integer, parameter :: MOST_FUNCTIONS = 256 !! largest number of functions of an element
   integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of one function
   !> Tolerance for the sum of the functions. It is small, because files give the coefficients in
   !! full precision.

@@ -15,8 +15,8 @@ module screw_motion
   private
   public :: screw_t, fit_screw, continue_screw, rotate
 
-  !> Below this angle, the first terms of a series are used, because the next term is below
-  !! rounding.
+  !> Below this angle, the first terms of series replace the formulas, because the next term is
+  !! below rounding.
   real(wp), parameter :: SMALL_ANGLE = 1.0e-4_wp
 
   type :: screw_t

@@ -36,7 +36,7 @@ module curve_type
     real(wp) :: point(3) = 0.0_wp        !! point on the axis of a torque, or point of a stress
     real(wp) :: axis(3) = 0.0_wp
     integer :: body = 0                  !! body of ENERgy or MAXImum; 0: all bodies
-    integer :: block = 0, elem = 0       !! STREss: element in which the reference point was found
+    integer :: block = 0, elem = 0       !! STREss: element that contains the reference point
     real(wp) :: xi(3) = 0.0_wp           !! parent coordinates of this point
     integer :: contact = 0, side = 0     !! for a contact: its index in the model, side 1 or 2
     type(place_t) :: place

@@ -39,7 +39,7 @@ contains
     end do
   end function next_corner
 
-  !> Factor of one table at a time.
+  !> Factor of one load table at a given time.
   pure function table_factor(table, time) result(factor)
     type(load_table_t), intent(in) :: table
     real(wp), intent(in) :: time

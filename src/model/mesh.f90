@@ -37,7 +37,7 @@ module mesh
     integer :: material = 0        !! index into the model's materials
     integer :: body = 0            !! index into mesh%body; 0: a FEAP mesh
     integer :: nen = 0, nelem = 0
-    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; collapsed prisms repeat some
+    integer, allocatable :: conn(:, :) !! (nen, nelem) nodes; a collapsed prism repeats some of them
     integer, allocatable :: number(:)    !! (nelem) number of the element as shown to the user
     type(extraction_t) :: ext
     type(rule_t) :: rule

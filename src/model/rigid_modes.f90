@@ -78,7 +78,7 @@ contains
     end do
   end subroutine find_free_bodies
 
-  !> Is a contact the self-contact of a single body, so that it cannot hold other bodies?
+  !> Is a contact the self-contact of a single body, so that it cannot restrain other bodies?
   logical function is_within_body(model, c) result(yes)
     type(model_t), intent(in) :: model
     integer, intent(in) :: c
@@ -176,7 +176,7 @@ contains
     node = pack(node, is_free(node))
   end subroutine leave_slaves
 
-  !> Find the rigid motions that the supports of a body, with its nodes at x, do not prevent.
+  !> Find the rigid motions that the supports of a body permit when the nodes are at x.
   subroutine find_motions(eq, x, body)
     integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
