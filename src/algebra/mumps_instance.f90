@@ -271,7 +271,7 @@ contains
     if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
   end subroutine run
 
-  !> Solve for right-hand sides, which the solutions replace. All ranks have the same right-hand
+  !> Solve in place: the solutions replace the right-hand sides. All ranks have the same right-hand
   !! sides and get the same solutions; MUMPS works with those of the first rank.
   subroutine solve_with(m, x, error)
     type(mumps_t), intent(inout) :: m

@@ -54,7 +54,7 @@ module solver_type
       type(error_t), allocatable, intent(out) :: error
     end subroutine factorise_i
 
-    !> Solve for right-hand sides, which the solutions replace.
+    !> Solve in place: the solutions replace the right-hand sides.
     subroutine solve_i(self, x, error)
       import :: solver_t, error_t, wp
       implicit none

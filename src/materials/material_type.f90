@@ -10,7 +10,7 @@ module material_type
 
   !> Why a law rejects its constants.
   type :: constant_error_t
-    integer :: value = 0          !! index of the rejected number in `value`; 0: none is rejected
+    integer :: value = 0          !! index of the rejected number; 0: no number is rejected
     character(64) :: message = '' !! what was found
     character(64) :: hint = ''    !! what is allowed
   end type constant_error_t
