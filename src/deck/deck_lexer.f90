@@ -117,7 +117,7 @@ contains
     end associate
   end subroutine cut_line
 
-  !> Add a field that is not in quotes to the record.
+  !> Add an unquoted field to the record.
   subroutine cut_plain(text, record, cutter)
     character(*), intent(in) :: text
     type(record_t), intent(inout) :: record
