@@ -57,7 +57,7 @@ module command_type
     integer :: limit = 0
   end type loop_t
 
-  !> A position in the program, to which it can return.
+  !> A position in the program, to which the run can return.
   type :: position_t
     integer :: counter = 0
     type(loop_t), allocatable :: loop(:)

@@ -100,7 +100,8 @@ contains
   end subroutine check_rivals
 
   !> Warn about loads of number 0, which follow the sum of several tables, if other loads have
-  !! numbers. If all loads follow the sum, as is usual in FEAP, the tables are meant to be added.
+  !! numbers of their own. If all loads follow the sum, as is usual in FEAP, the tables are meant to
+  !! be added.
   subroutine warn_sum(model, ntable)
     type(model_t), intent(in) :: model
     integer, intent(in) :: ntable      !! number of tables that PROPs define

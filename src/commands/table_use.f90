@@ -79,9 +79,9 @@ contains
     end subroutine add
   end subroutine find_uses
 
-  !> When the whole deck has been read, warn about loads whose table is defined by no PROP or by a
-  !! late one; only log a note about tables that no load follows, because decks that are run in
-  !! stages may contain some.
+  !> When the whole deck has been read, warn about loads whose table is defined by no PROP, or by a
+  !! PROP that comes too late. Only log a note about tables that no load follows, because decks that
+  !! are run in stages may contain some.
   subroutine warn_tables(run)
     type(run_t), intent(in) :: run
     type(use_t), allocatable :: uses(:)
@@ -142,8 +142,8 @@ contains
               'let the new table begin with the present factor, or use one table for all steps')
   end subroutine warn_jump
 
-  !> After a step, warn about tables that have ended before it and about corners inside it, once
-  !! each.
+  !> After a step, warn about tables that ended before the step and about corners inside the step,
+  !! once each.
   subroutine watch_tables(run)
     type(run_t), intent(inout) :: run
     type(use_t), allocatable :: uses(:)
@@ -204,7 +204,7 @@ contains
 
   !> Warn about a peak or a trough of a table of pairs that lies inside the step, or in the time
   !! since the previous step if a TIME was not followed by a solve. Automatic steps end at corners,
-  !! but such a TIME may have ended there.
+  !! but a TIME without a solve may have ended at one.
   subroutine watch_corners(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k

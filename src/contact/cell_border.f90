@@ -45,8 +45,8 @@ contains
     t = -cos(acos(-1.0_wp)*k/(NBEND + 1))
   end function bend_at
 
-  !> Polynomials f_k(t), each of which is one at the point bend_at(k) and vanishes at the other
-  !! points and at the ends, and their derivatives.
+  !> Polynomials f_k(t) and their derivatives. f_k is one at the point bend_at(k), and vanishes at
+  !! the other points and at the ends.
   pure subroutine bend_functions(t, f, df)
     real(wp), intent(in) :: t
     real(wp), intent(out) :: f(NBEND), df(NBEND)

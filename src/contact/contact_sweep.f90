@@ -112,7 +112,7 @@ contains
     integer, intent(in) :: k
     type(screw_t), intent(in) :: screw, frame !! motions of side k and of the other side
     real(wp), intent(in) :: x_start(:, :), x(:, :)
-    real(wp), intent(out) :: depth            !! depth of such a point; 0: there is none
+    real(wp), intent(out) :: depth            !! depth of the point that is found; 0: none
     type(triangles_t) :: other
     type(shape_t), allocatable :: shape(:)    ! shapes of side k at the ends of the stages
     type(shape_t) :: far_shape(2)             ! the other side at the start and now

@@ -62,7 +62,7 @@ contains
   end function is_refined
 
   !> Set traction, area and energy of points i to j to zero; their states and elastic displacements
-  !! stay.
+  !! are not changed.
   pure subroutine silence(points, i, j)
     type(contact_points_t), intent(inout) :: points
     integer, intent(in) :: i, j

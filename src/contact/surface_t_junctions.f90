@@ -142,8 +142,8 @@ contains
     call edge_point(xr, surface, e, k, t, y, slope)
   end subroutine project_on_edge
 
-  !> Set the parts of each edge in the order of its parameter; an edge that is itself a part has one
-  !! part.
+  !> Set the parts of each edge in the order of the edge's parameter; an edge that is itself a part
+  !! has one part.
   subroutine set_parts(fine, coarse, at, edge, surface)
     integer, intent(in) :: fine(:), coarse(:)
     real(wp), intent(in) :: at(:, :)

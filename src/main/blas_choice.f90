@@ -1,13 +1,13 @@
 !> Makes OpenBLAS use the vector unit of the processor, and start no threads that are not used.
 !!
 !! OpenBLAS chooses its kernels when it is loaded, according to the model number of the processor.
-!! If the processor is newer than the library, it chooses the oldest kernels (version 0.3.21 of
-!! Debian 12 on a processor of 2023 runs dgemm at 9 instead of 70 GFLOP/s). When the library is
-!! loaded, it also starts a thread for each processor. These threads wait forever if a limit refuses
-!! the memory that they need. Therefore this program restarts itself with OPENBLAS_CORETYPE set to
-!! the best kernels that the processor supports, and OPENBLAS_NUM_THREADS to 1; `set_threads` starts
-!! further threads when it has found memory for them. A value that the user has set is never
-!! changed.
+!! If the processor is newer than the library, it chooses the oldest kernels. For example, version
+!! 0.3.21 of Debian 12 runs dgemm at 9 instead of 70 GFLOP/s on a processor of 2023. When the
+!! library is loaded, it also starts a thread for each processor. These threads wait forever if a
+!! limit refuses the memory that they need. Therefore this program restarts itself with
+!! OPENBLAS_CORETYPE set to the best kernels that the processor supports, and OPENBLAS_NUM_THREADS
+!! to 1; `set_threads` starts further threads when it has found memory for them. A value that the
+!! user has set is never changed.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level

@@ -34,8 +34,8 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! number of integration points, both sides
     integer :: closed = 0               !! number of these that are in contact
-    !> Over all steps: largest |F1 + F2| of the forces on both sides, relative to the larger force,
-    !! and largest penetration relative to the width of an element or the thickness, whichever is
+    !> Largest values over all steps: |F1 + F2| of the forces on both sides, relative to the larger
+    !! force, and penetration, relative to the width of an element or the thickness, whichever is
     !! smaller [-].
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
