@@ -89,7 +89,7 @@ contains
         ! The equilibrium of the step has changed, so its iteration continues.
         run%step%newton%converged = .false.
         run%step%newton%before = run%step%newton%iterations
-        run%step%newton%damped%count = 0 ! damped increments are part of `before`
+        run%step%newton%secant%count = 0 ! increments with secants are part of `before`
         call log_line('  augmented: pressures changed by up to '//to_text(change) &
                       //' times the largest one')
       end if

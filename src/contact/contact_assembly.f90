@@ -26,8 +26,8 @@ module contact_assembly
   use tensor, only: cross
   implicit none
   private
-  public :: contact_work_t, new_contact_work, begin_contact, find_contact, contact_cliques, &
-            map_contact, add_contact, accept_contact, friction_acts
+  public :: contact_work_t, new_contact_work, begin_contact, set_secant, find_contact, &
+            contact_cliques, map_contact, add_contact, accept_contact, friction_acts
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of each contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the time step
@@ -94,6 +94,17 @@ contains
       end do
     end do
   end subroutine begin_contact
+
+  !> Set the share of the secants in the derivatives of friction (see add_friction).
+  pure subroutine set_secant(work, weight)
+    type(contact_work_t), intent(inout) :: work(:)
+    real(wp), intent(in) :: weight
+    integer :: c
+
+    do c = 1, size(work)
+      work(c)%element%secant = weight
+    end do
+  end subroutine set_secant
 
   !> Does friction act in this step? It acts in all steps that start at the time AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)

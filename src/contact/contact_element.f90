@@ -130,7 +130,7 @@ contains
       point%ahead = points%slip_rate(i)*points%dt
     end if
     if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
-    call traction_at(contact, foot, point, dt)
+    call traction_at(contact, foot, work%secant, point, dt)
     if (point%state == OPEN .or. .not. contact%taper > 0.0_wp) return
     outside = other%neighbour(:, foot%elem) == 0
     if (allocated(other%point)) outside = outside .and. .not. other%point(:, foot%elem)

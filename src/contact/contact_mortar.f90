@@ -461,7 +461,7 @@ contains
     end associate
     mortar%fresh = .false.
     if (.not. (contact%control_penalty > 0.0_wp .and. tangent .and. is_root())) return
-    call add_control_tangent(mortar%side(k), contact, k, x, a)
+    call add_control_tangent(mortar%side(k), contact, k, x, work%secant, a)
   end subroutine add_mortar
 
 end module contact_mortar

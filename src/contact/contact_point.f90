@@ -9,13 +9,13 @@
 module contact_point
   use base_kinds, only: wp
   use contact_pair, only: assigned_law_t, contact_t
-  use contact_type, only: OPEN, TOUCH
+  use contact_type, only: OPEN, TOUCH, SLIP
   use projection_type, only: foot_t
   use smooth_step, only: smoothstep
   implicit none
   private
   public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
-            add_friction, inverse, outer, energy_at_rest
+            add_friction, mix_secant, inverse, outer, energy_at_rest
 
   !> A distance that is smaller than this, relative to the tangents, has no meaningful direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -52,9 +52,10 @@ module contact_point
 contains
 
   !> Find the traction given by the normal law and the friction law, and its derivatives.
-  pure subroutine traction_at(contact, foot, point, dt)
+  pure subroutine traction_at(contact, foot, secant, point, dt)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: secant   !! see add_friction
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(out) :: dt
     type(traction_derivatives_t) :: dn
@@ -76,14 +77,17 @@ contains
     dt%x = outer(n, dpdx) + point%p*dn%x
     dt%p = -outer(n, dpdx) + point%p*dn%p
     dt%a = point%p*dn%a
-    if (point%slides .and. point%p > 0.0_wp) call add_friction(contact, dn, dpdx, point, dt)
+    if (point%slides .and. point%p > 0.0_wp) then
+      call add_friction(contact, dn, dpdx, secant, point, dt)
+    end if
   end subroutine traction_at
 
   !> Add the frictional traction at a point that carries a pressure, and its derivatives.
-  pure subroutine add_friction(contact, dn, dpdx, point, dt)
+  pure subroutine add_friction(contact, dn, dpdx, secant, point, dt)
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! derivatives of the normal point%n
     real(wp), intent(in) :: dpdx(3)  !! dp/dx, which is the opposite of dp/dx_p
+    real(wp), intent(in) :: secant   !! share w of the secant in the derivatives of the law
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(inout) :: dt
     real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
@@ -95,6 +99,7 @@ contains
       d = y - yn*n
       call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
                                          dtdp, point%elastic, point%state)
+      if (secant > 0.0_wp .and. point%state == SLIP) call mix_secant(secant, d, t, dtdd, dtdp)
       point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
       point%friction = t
       point%t = point%t + t
@@ -114,6 +119,22 @@ contains
       dt%s = -project
     end associate
   end subroutine add_friction
+
+  !> Mix the derivatives of a frictional traction t with its secant, -|t|/|d| 1. The secant has a
+  !! stiffness along the slip and does not vary with the pressure.
+  pure subroutine mix_secant(w, d, t, dtdd, dtdp)
+    real(wp), intent(in) :: w              !! share of the secant
+    real(wp), intent(in) :: d(3), t(3)     !! [L], [F/L^2]
+    real(wp), intent(inout) :: dtdd(3, 3), dtdp(3)
+    integer :: i
+
+    dtdp = (1.0_wp - w)*dtdp
+    dtdd = (1.0_wp - w)*dtdd
+    if (.not. norm2(d) > 0.0_wp) return
+    do i = 1, 3
+      dtdd(i, i) = dtdd(i, i) - w*norm2(t)/norm2(d)
+    end do
+  end subroutine mix_secant
 
   !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
   !! face: its pressure decreases to zero between `full` and twice that depth, and its energy

@@ -248,11 +248,12 @@ contains
 
   !> Add the part of the tangent that couples all nodes around a control point, because the pressure
   !! there varies with the positions of all these nodes.
-  subroutine add_control_tangent(side, contact, k, x, a)
+  subroutine add_control_tangent(side, contact, k, x, secant, a)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)
+    real(wp), intent(in) :: secant           !! share w of the secants of friction
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of the sum of w N g [L^2]
     real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by a unit pressure [L^2]
@@ -272,7 +273,7 @@ contains
         do j = 1, size(list)
           at(list(j)) = j
         end do
-        call vary_gap(side, contact, k, c, x, at, slope, rows)
+        call vary_gap(side, contact, k, c, x, secant, at, slope, rows)
         stiffness = -own_share(contact)*side%dq(c)/side%a(c)
         do j = 1, size(list)
           do i = 1, size(list)
@@ -294,11 +295,12 @@ contains
   !> Find the derivatives of the sum of w N_c g of control point c with respect to the nodes that
   !! the control point couples, and the forces on these nodes under a unit pressure at the control
   !! point, including the friction of points that slip.
-  subroutine vary_gap(side, contact, k, c, x, at, slope, rows)
+  subroutine vary_gap(side, contact, k, c, x, secant, at, slope, rows)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, c
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
+    real(wp), intent(in) :: secant           !! share w of the secants: they omit dt/dp
     integer, intent(in) :: at(:)             !! (nnode) column of a node
     real(wp), intent(out) :: slope(:, :), rows(:, :) !! (3, nodes) [L^2]
     real(wp) :: psi(size_of_element(contact%side(k)))
@@ -329,7 +331,7 @@ contains
           end do
           call vary_normal(cells%foot(i), xp, n, dn)
           t = n
-          if (side%state(i) == SLIP) t = n + side%friction(:, i)/side%p(i)
+          if (side%state(i) == SLIP) t = n + (1.0_wp - secant)*side%friction(:, i)/side%p(i)
           do j = 1, nk
             l = at(own%node(own%first(e) + j - 1))
             slope(:, l) = slope(:, l) + w*side%shp(j, i)*n

@@ -220,7 +220,7 @@ contains
               at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
             end do
             if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
-            call add_friction(contact, dn, dpdx*at%n, at, d)
+            call add_friction(contact, dn, dpdx*at%n, work%secant, at, d)
           end if
           side%state(i) = at%state
           side%friction(:, i) = at%friction

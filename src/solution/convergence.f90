@@ -178,7 +178,7 @@ contains
     type(model_t), intent(in) :: model
 
     needs_line_search = size(model%contact) > 0 &
-                        .and. newton%iterations - newton%before - newton%damped%count > PATIENCE
+                        .and. newton%iterations - newton%before - newton%secant%count > PATIENCE
   end function needs_line_search
 
   !> Relative residual to which a linear system is solved (inexact Newton).
@@ -223,8 +223,8 @@ contains
     type(pass_t), intent(in) :: pass
 
     yes = .false.
-    if (newton%damped%on) return ! the tangent with damping is not that of the model
-    yes = is_held(newton) .or. newton%iterations - newton%before - newton%damped%count > PATIENCE &
+    if (newton%secant%on) return ! the tangent with secants is not that of the model
+    yes = is_held(newton) .or. newton%iterations - newton%before - newton%secant%count > PATIENCE &
           .or. (pass%residual <= force_tolerance(pass) .and. .not. newton%moves)
   end function needs_signs
 

@@ -7,13 +7,12 @@ module newton
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
-  use contact_assembly, only: begin_contact
+  use contact_assembly, only: begin_contact, set_secant
   use continuation_type, only: turns_away
   use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
                          needs_signs, find_forcing, damping, count_flips
   use csr, only: multiply
-  use damped_increments, only: begin_damping, adapt_damping, add_damping, remove_damping
   use failure_text, only: name_element, name_singularity
   use line_search, only: search_line, step_by, retreat
   use linear_system, only: new_linear_system, change_pattern
@@ -21,6 +20,7 @@ module newton
   use newton_type, only: newton_t, pass_t
   use predictor, only: predict
   use prescribed, only: to_prescribed
+  use secant_friction, only: begin_secant, adapt_secant
   use solution_state, only: accept_iteration
   use stabilisation, only: begin_stabilisation, find_unheld, use_springs, find_flight, &
                            release_loaded, find_reach, add_springs, remove_springs, &
@@ -41,16 +41,20 @@ contains
 
   !> Begin a step: state%factor and state%time are those at the end of the step, state%u is that at
   !! its start.
-  subroutine begin_newton(newton, model, state, predicts, damps)
+  subroutine begin_newton(newton, model, state, predicts, secant)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(in) :: predicts          !! the step may start from predicted displacements
-    logical, intent(in) :: damps             !! with damped increments
+    logical, intent(in) :: secant            !! with secants of friction
 
     newton%iterations = 0
     newton%before = 0
-    if (allocated(newton%asm%contact)) call begin_contact(newton%asm%contact)
+    call begin_secant(newton%secant, secant .and. .not. newton%constraint%on)
+    if (allocated(newton%asm%contact)) then
+      call begin_contact(newton%asm%contact)
+      call set_secant(newton%asm%contact, newton%secant%weight)
+    end if
     newton%has_moved = .false.
     newton%converged = .false.
     newton%exact = .true.
@@ -64,11 +68,10 @@ contains
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
     call begin_stabilisation(newton%hold, model)
-    call begin_damping(newton%damped, damps .and. .not. newton%constraint%on)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
     ! moves of bodies towards a contact are not continued
-    if (.not. predicts .or. damps .or. newton%constraint%on .or. newton%hold%active) return
+    if (.not. predicts .or. secant .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
   end subroutine begin_newton
@@ -183,7 +186,7 @@ contains
     moved = newton%moves
     newton%iterations = newton%iterations + 1
     call count_flips(newton, merge(0, pass%solve%determinant, &
-                                   newton%symmetric .or. newton%damped%on .or. &
+                                   newton%symmetric .or. newton%secant%on .or. &
                                    .not. pass%solve%signed))
     newton%before_solve = merge(0.0_wp, pass%residual, moved)
     newton%expected = newton%forcing*maxval(abs(newton%rhs))
@@ -193,7 +196,7 @@ contains
     newton%moves = .false.
     call check_convergence(newton, pass, moved)
     if (.not. pass%ok) return
-    if (newton%damped%on) newton%converged = .false.
+    if (newton%secant%on) newton%converged = .false.
     if (newton%converged) then
       call newton%system%find_signs(newton%asm%k, pass%solve, error)
       if (.not. allocated(error)) call name_trouble(model, state, pass)
@@ -202,7 +205,7 @@ contains
                           sum_of_loads(newton, model, state), loaded)
       newton%converged = .not. loaded
     end if
-    if (newton%damped%on) then
+    if (newton%secant%on) then
       call step_by(state, du, 1.0_wp)
     else if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, &
@@ -212,7 +215,7 @@ contains
       call step_by(state, du, pass%line)
     end if
     newton%last = pass%line*newton%dx
-    newton%may_retreat = .not. (moved .or. newton%converged .or. newton%damped%on)
+    newton%may_retreat = .not. (moved .or. newton%converged .or. newton%secant%on)
   end subroutine solve_system
 
   !> If the tangent has a new pattern, pass it to the linear system.
@@ -360,9 +363,11 @@ contains
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
-    if (newton%damped%on) call adapt_damping(newton%damped, pass%residual)
+    if (newton%secant%on) then           ! the next tangent has the new weight
+      call adapt_secant(newton%secant, pass%residual)
+      call set_secant(newton%asm%contact, newton%secant%weight)
+    end if
     do
-      if (newton%damped%on) call add_damping(newton%damped, newton%asm%k)
       if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)
       newton%forcing = find_forcing(newton, pass)
       call newton%system%solve(newton%asm%k, newton%rhs, newton%dx, newton%forcing, pass%solve, &
@@ -371,7 +376,6 @@ contains
         call solve_anchored(newton, model, pass%solve, error)
       end if
       if (newton%hold%springs) call remove_springs(newton%hold, newton%asm%k)
-      if (newton%damped%on) call remove_damping(newton%damped, newton%asm%k)
       if (allocated(error)) return
       if (.not. pass%solve%singular) exit
       if (.not. use_springs(newton%hold, state)) exit

@@ -3,8 +3,8 @@ module newton_type
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
   use continuation_type, only: path_constraint_t
-  use damped_increments, only: damped_t
   use linear_system, only: linear_system_t, solve_report_t, AUTO
+  use secant_friction, only: secant_t
   use stabilisation, only: stabilisation_t
   implicit none
   private
@@ -15,7 +15,7 @@ module newton_type
     type(linear_system_t) :: system
     type(path_constraint_t) :: constraint !! measure prescribed in a step whose time is unknown
     type(stabilisation_t) :: hold      !! stabilises bodies that contact does not hold yet
-    type(damped_t) :: damped           !! damped increments of this step
+    type(secant_t) :: secant           !! secants of friction in this step
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! pattern and factorisation are for a symmetric matrix
     integer :: mode = AUTO             !! FACTor

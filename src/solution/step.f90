@@ -39,7 +39,7 @@ module step
   !> Number of iterations in which the cells of the mortar scheme settle; these iterations do not
   !! influence the size of the next step.
   integer, parameter :: SETTLING = 2
-  integer, parameter :: MOST_DAMPED = 3 !! attempts of a step with damped increments
+  integer, parameter :: MOST_SECANT = 3 !! attempts of a step with secants of friction
 
 contains
 
@@ -70,8 +70,8 @@ contains
     step%timed = present(left)
     if (.not. (step%retry .and. step%timed)) then
       step%cutbacks = 0
-      step%damped = 0
-      step%damps = .false.
+      step%secant_attempts = 0
+      step%secant = .false.
       step%exhausted = .false.
     end if
     step%retry = .false.
@@ -80,7 +80,7 @@ contains
     else
       call open_step(state, state%time)
     end if
-    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0, step%damps)
+    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0, step%secant)
   end subroutine begin_step
 
   !> Form forces and tangent at the current displacements.
@@ -113,7 +113,7 @@ contains
 
     outcome = STEP_REWOUND
     call solve_system(step%newton, model, state, searches, step%pass, error)
-    do while (.not. allocated(error) .and. step%pass%ok .and. step%newton%damped%on)
+    do while (.not. allocated(error) .and. step%pass%ok .and. step%newton%secant%on)
       if (largest(merge(1, 0, stop_requested())) > 0) exit
       call form_system(step%newton, model, state, step%newton%symmetric, step%pass, error)
       if (allocated(error) .or. .not. step%pass%ok) exit
@@ -152,7 +152,7 @@ contains
     end if
     if (step%timed .and. step%control%automatic) possible = change_method(step, model, state, why)
     if (possible) then
-      step%damps = .false.
+      step%secant = .false.
     else
       call choose_attempt(step, model, state, why, possible)
     end if
@@ -164,10 +164,11 @@ contains
     step%retry = .true.
   end subroutine cut_step
 
-  !> Choose the next attempt of a step under load control: a smaller step or damped increments.
+  !> Choose the next attempt of a step under load control: a smaller step or secants of
+  !! friction.
   !!
-  !! The first step that needs damped increments has been cut to dtmin before. From then on, each
-  !! size is tried without and with them, but with them at most MOST_DAMPED times.
+  !! The first step that needs the secants has been cut to dtmin before. From then on, each
+  !! size is tried without and with them, but with them at most MOST_SECANT times.
   subroutine choose_attempt(step, model, state, why, possible)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -175,30 +176,30 @@ contains
     character(*), intent(in) :: why
     logical, intent(out) :: possible
     character(:), allocatable :: how
-    logical :: may_damp
+    logical :: may_try
 
     how = ''
-    may_damp = can_damp(step, model, state) .and. step%damped < MOST_DAMPED
-    possible = may_damp .and. step%needs_damping .and. .not. step%damps
+    may_try = can_use_secants(step, model) .and. step%secant_attempts < MOST_SECANT
+    possible = may_try .and. step%needs_secant .and. .not. step%secant
     if (possible) then
-      step%damps = .true.
+      step%secant = .true.
     else
-      if (step%timed .and. .not. (step%exhausted .and. .not. may_damp)) then
+      if (step%timed .and. .not. (step%exhausted .and. .not. may_try)) then
         possible = cut_time(step%control)
       end if
-      step%damps = step%exhausted .and. may_damp
-      if (.not. possible .and. may_damp .and. .not. step%exhausted) then
-        step%needs_damping = .true.
+      step%secant = step%exhausted .and. may_try
+      if (.not. possible .and. may_try .and. .not. step%exhausted) then
+        step%needs_secant = .true.
         step%exhausted = .true.
-        step%damps = .true.
+        step%secant = .true.
         possible = .true.
         call whole_step(step%control)
       end if
     end if
     if (.not. possible) return
-    if (step%damps) then
-      step%damped = step%damped + 1
-      how = ' and damped increments'
+    if (step%secant) then
+      step%secant_attempts = step%secant_attempts + 1
+      how = ' and secants of friction'
     end if
     step%cutbacks = step%cutbacks + 1
     step%total%cutbacks = step%total%cutbacks + 1
@@ -206,15 +207,14 @@ contains
                   //'has dt = '//to_text(step%control%size)//how)
   end subroutine choose_attempt
 
-  !> Can damped increments help? They need contact, which they let settle, and a time that is given.
-  pure logical function can_damp(step, model, state)
+  !> Can secants of friction help? They need friction, and a time that is given.
+  pure logical function can_use_secants(step, model)
     type(step_t), intent(in) :: step
     type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
 
-    can_damp = step%timed .and. step%control%automatic .and. size(model%contact) > 0 &
-               .and. .not. (state%dynamics%on .or. step%newton%constraint%on)
-  end function can_damp
+    can_use_secants = step%timed .and. step%control%automatic .and. &
+                      any(model%contact%friction%given) .and. .not. step%newton%constraint%on
+  end function can_use_secants
 
   !> Restore the state at the start of the current step, and forget the step.
   subroutine rewind_step(step, state)
@@ -355,7 +355,7 @@ contains
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
     else if (step%timed) then
-      iterations = step%newton%iterations - step%newton%before - step%newton%damped%count
+      iterations = step%newton%iterations - step%newton%before - step%newton%secant%count
       call accept_time(step%control, iterations - merge(SETTLING, 0, &
                                                         any(model%contact%scheme == MORTAR)))
       if (step%control%reduced) then

@@ -36,10 +36,10 @@ module step_type
     logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in the step
     integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
-    logical :: needs_damping = .false.   !! some step failed at every size without damping
-    logical :: damps = .false.           !! the next attempt of the step has damped increments
-    integer :: damped = 0                !! attempts of the step with damped increments
-    logical :: exhausted = .false.       !! the step has been cut to dtmin without damping
+    logical :: needs_secant = .false.    !! some step failed at every size without secants
+    logical :: secant = .false.          !! the next attempt of the step has secants of friction
+    integer :: secant_attempts = 0       !! attempts of the step with secants of friction
+    logical :: exhausted = .false.       !! the step has been cut to dtmin without secants
     integer :: start_step = 0            !! number and time of the state at the start of the step
     real(wp) :: start_time = 0.0_wp
     integer :: start_iterations = 0      !! total number of iterations when the step began
