@@ -80,8 +80,8 @@ def rings(kind, fit):
     text = [
         f"FEAP ** Concentric rings, {what}, {label}",
         "  ndm = 3",
-        "! Problem: " + ("the inner ring is too wide by 1e-5; a quarter." if fit
-                         else "the pressure p acts from outside; a quarter."),
+        "! Problem: " + ("the inner ring is too wide by 1e-5; a quarter of both rings." if fit
+                         else "the pressure p acts on the outer ring from outside; a quarter of both rings."),
         "! Written by verification/contact/decks.py.",
         "INCLude head.inc",
         "",

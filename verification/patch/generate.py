@@ -57,7 +57,7 @@ DECK = """FEAP ** Patch test of {name}
   ndm = 3
 ! Problem: {problem}
 ! Units:   modulus 1.
-! Answer:  the linear displacement of the boundary everywhere, one stress.
+! Answer:  the linear displacement of the boundary everywhere and a uniform stress.
 
 PARAmeters
   m = 2                            ! 1: small strains, 2: finite
@@ -124,7 +124,7 @@ def main(argv=None):
         )
     if count:
         mesh, gradient = box(count, enhanced="nmode=" in row), LINEAR
-        problem = "a box of 2 x 2 x 2 cells; nodes inside are moved off their places."
+        problem = "a box of 2 x 2 x 2 cells, whose inner nodes are moved at random."
     else:
         degree = " 2" if "spline=" in row else ""
         mesh, gradient = PATCH.format(name=name, degree=degree), STRETCH

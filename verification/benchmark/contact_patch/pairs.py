@@ -25,7 +25,7 @@ HEAD = """FEAP ** Patch test of contact: two blocks with meshes that do not matc
 ! Answer:  uniaxial strain and a uniform stress; each block shortens by (0.2 - p/eps)/2, p: pressure.
 
 PARAmeters
-  q = 3                            ! integration points of a surface element, in each direction
+  q = 3                            ! integration points of a surface element per direction
   eps = 10
 
 MATErial 1

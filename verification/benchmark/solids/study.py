@@ -70,7 +70,7 @@ CURVe,tip
 END
 """
 BEAM = """FEAP ** Cantilever of {element}, n = {n}
-! Problem: length 10, section 1 x 1, clamped; a force 1 is spread over the other end. E = 1000.
+! Problem: length 10, section 1 x 1, one end clamped; a force of 1 is spread over the other end. E = 1000.
 ! Answer:  the end moves by f L^3/(3 E I) + f L/(k G A), k = 10 (1 + nu)/(12 + 11 nu) (Cowper 1966).
   ndm = 3
 
