@@ -26,7 +26,7 @@ contains
     end if
   end subroutine warn_commands
 
-  !> Warn about commands that prepare steps or solves and have none after them.
+  !> Warn about commands that prepare steps or solves but are followed by none.
   subroutine warn_late(run)
     type(run_t), intent(in) :: run
     character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']

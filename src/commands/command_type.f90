@@ -74,7 +74,7 @@ module command_type
     type(position_t) :: step_start              !! position at which the current step began
     logical :: dry = .false.                    !! commands only check their fields
     integer :: ntable = 0                       !! highest number of a load table of the whole run
-    integer, allocatable :: defined(:)          !! numbers of its load tables
+    integer, allocatable :: defined(:)          !! numbers of the load tables that PROPs define
     integer, allocatable :: prop_at(:)          !! (number) command that defines each table first
     logical, allocatable :: noted(:)            !! rows whose note has been written
   end type program_t
@@ -171,8 +171,9 @@ contains
     if (present(data)) row%data => data
   end function new_row
 
-  !> Fail if a command has more numbers than the n that it reads, or, if `option` is .false., a
-  !! field where other commands have an option. Empty fields have the value 0 and are accepted.
+  !> Fail if a command has more than the n numbers that it reads. If `option` is .false., fail also
+  !! if the command has a field where other commands have an option. Empty fields have the value 0
+  !! and are accepted.
   subroutine check_fields(command, n, usage, error, option)
     type(command_t), intent(in) :: command
     integer, intent(in) :: n

@@ -25,10 +25,10 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p. Across the
-  !! direction of slip, the tangent is mu p divided by |d|. At the start of a step |d| is nearly
-  !! that of the elastic part, which would make the tangent a hundred times too stiff. The expected
-  !! slip `ahead` is therefore added to |d|.
+  !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p.
+  !! Perpendicular to the direction of slip, the tangent is mu p divided by |d|. At the start of a
+  !! step, d contains hardly more than its elastic part, so that this tangent would be a hundred
+  !! times too stiff. The expected slip `ahead` is therefore added to |d|.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead
@@ -42,7 +42,7 @@ contains
     size = norm2(d)
     dtdd = 0.0_wp
     dtdp = 0.0_wp
-    if (.not. most > 0.0_wp) then ! without friction even d = 0 is slip
+    if (.not. most > 0.0_wp) then ! without friction, d = 0 is slip too
       state = SLIP
       t = 0.0_wp
       elastic = 0.0_wp

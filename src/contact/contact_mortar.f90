@@ -362,7 +362,7 @@ contains
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(facets_t) :: facets(2)
-    real(wp) :: far, increment ! motion since the cells were cut, since the last iterate [L]
+    real(wp) :: far, increment ! motion since the last cut, and since the last iterate [L]
     integer :: k
     logical :: new
 

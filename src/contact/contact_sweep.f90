@@ -3,9 +3,9 @@
 !! or opposite nothing, and no projection shows that they have been inside.
 !!
 !! The motion of each surface is described by the rigid motion that fits it best, plus a remainder
-!! that grows linearly in the step. Straight paths would be wrong: they would cut through a shaft
-!! that turns in its hole. The faces of the other surface are divided into triangles, which are
-!! described in a frame that moves with that surface. A point enters the body where its distance
+!! that grows linearly in the step. Straight paths would be wrong, because they would cut through a
+!! shaft that turns in its hole. The faces of the other surface are divided into triangles, which
+!! are described in a frame that moves with that surface. A point enters the body where its distance
 !! from a triangle changes from positive to negative, and leaves it where it changes back.
 module contact_sweep
   use base_kinds, only: wp

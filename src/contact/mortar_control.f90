@@ -14,7 +14,7 @@ module mortar_control
   public :: find_pressures, pressed_energy, pressure_at, need_lists, mortar_clique, &
             add_control_tangent
 
-  !> An overlap of a control point does not count if it is below this fraction of the largest one.
+  !> An overlap of a control point is ignored if it is below this fraction of the largest overlap.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
   !> A gap below this fraction of the element's width is due to rounding.
   real(wp), parameter :: NO_GAP = 1.0e-9_wp
@@ -160,7 +160,7 @@ contains
     integer, intent(in) :: k
     type(mortar_side_t), intent(inout) :: side
     integer, intent(in) :: nnode
-    logical, intent(in) :: new               !! the step begins: earlier couplings are forgotten
+    logical, intent(in) :: new               !! the step begins, so earlier couplings are forgotten
     logical, intent(inout) :: grown
     integer, allocatable :: mark(:), list(:)
     integer :: a, e, i, n, r
@@ -256,8 +256,8 @@ contains
     real(wp), intent(in) :: secant           !! share w of the secants of friction
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of the sum of w N g [L^2]
-    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces by a unit pressure [L^2]
-    integer, allocatable :: at(:)            ! (nnode) place of a node in a list
+    real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces due to a unit pressure [L^2]
+    integer, allocatable :: at(:)            ! (nnode) position of a node in a list
     real(wp) :: stiffness
     integer :: c, i, j, most, p
 
@@ -293,7 +293,7 @@ contains
   end subroutine add_control_tangent
 
   !> Find the derivatives of the sum of w N_c g of control point c with respect to the nodes that
-  !! the control point couples, and the forces on these nodes under a unit pressure at the control
+  !! the control point couples, and the forces on these nodes due to a unit pressure at the control
   !! point, including the friction of points that slip.
   subroutine vary_gap(side, contact, k, c, x, secant, at, slope, rows)
     type(mortar_side_t), intent(in) :: side

@@ -31,7 +31,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) [L]
-    real(wp), intent(in) :: dt_first          !! [T] of the step, if it begins; otherwise negative
+    real(wp), intent(in) :: dt_first !! length of the step if it begins, otherwise negative [T]
     logical, intent(in) :: slides
     logical, intent(in) :: tangent            !! .false.: forces only
     type(mortar_side_t), intent(inout) :: side
@@ -125,7 +125,7 @@ contains
     end do
   end subroutine list_points
 
-  !> The slot of a partner, which is assigned a new one if it has none.
+  !> Find the slot of a partner. A partner without a slot is assigned a new one.
   pure subroutine find_slot(partner, work, slot)
     integer, intent(in) :: partner
     type(work_t), intent(inout) :: work
@@ -342,7 +342,7 @@ contains
   end subroutine add_block
 
   !> Add the derivatives with respect to those sliding points that do not lie on the element that
-  !! their point faces.
+  !! the point faces.
   pure subroutine add_away(contact, k, slot, nk, nl, m, point, slide_slot, slide_shp, own_shp, &
                            shp, ds, work)
     type(contact_t), intent(in) :: contact
@@ -383,7 +383,7 @@ contains
     end do
   end subroutine add_rows
 
-  !> The number of a pair of slots, which is assigned a new one if it has none.
+  !> Find the number of a pair of slots. A pair without a number is assigned a new one.
   pure subroutine find_cross(slot, other, work, c)
     integer, intent(in) :: slot, other
     type(work_t), intent(inout) :: work

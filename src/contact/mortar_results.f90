@@ -24,8 +24,8 @@ module mortar_results
 
 contains
 
-  !> Accept a step: keep what friction needs in the next step, find the energies, and set the
-  !! results at the integration points for fields, curves and reports. Tractions refer to the
+  !> Accept a step: store the data that friction needs in the next step, find the energies, and set
+  !! the results at the integration points for fields, curves and reports. Tractions refer to the
   !! current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
     type(mortar_t), intent(in) :: mortar
@@ -79,7 +79,7 @@ contains
           p = pressure_at(side, contact, k, e, contact%xi(:, q), foot%gap)
           if (.not. (p > 0.0_wp .and. stretch > 0.0_wp)) cycle
           j = nearest_closed(own, side, e, contact%xi(:, q))
-          if (j == 0) cycle                  ! beyond the border of the other side, or facing away
+          if (j == 0) cycle                  ! the point is beyond the border or faces away
           call vary_normal(foot, at, n, dn)
           p = p*reference/stretch
           points%pressure(i) = p
@@ -101,7 +101,7 @@ contains
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(shape_t), intent(in) :: shape       !! of side k
+    type(shape_t), intent(in) :: shape       !! shape of side k
     type(contact_points_t), intent(inout) :: points
     type(traction_derivatives_t) :: dn
     integer, allocatable :: node(:), at(:)
@@ -143,12 +143,13 @@ contains
     end associate
   end subroutine spread_cells
 
-  !> Keep the values that points of the next step take over, and add the work of slip in this step.
-  !! This is the slip of each point times the mean of its limits at the start and end of the step.
+  !> Store the values from which those of the points of the next step are interpolated. Add the work
+  !! of slip in this step: for each point, the slip times the area times the mean of the limits at
+  !! the start and end of the step.
   subroutine keep_friction(side, contact, dt, rubbed, dissipated)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: dt               !! [T]
+    real(wp), intent(in) :: dt               !! time step [T]
     type(friction_points_t), intent(inout) :: rubbed
     real(wp), intent(inout) :: dissipated    !! [F L]
     real(wp) :: limit(side%cells%n)
@@ -158,7 +159,7 @@ contains
     associate (cells => side%cells)
       limit = 0.0_wp
       if (contact%friction%given) limit = contact%friction%prop(MU)*side%p
-      rubs = .false. ! whole elements are kept, with their open points
+      rubs = .false. ! whole elements are stored, including their open points
       do e = 1, size(cells%first) - 1
         i = cells%first(e)
         n = cells%first(e + 1) - 1
@@ -195,7 +196,7 @@ contains
     inside = .false.
     flat = collapsed_side(own, e)
     u = to_chart(flat, xi)
-    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! of the chart, relative to that of e
+    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! of the chart over that of e
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
@@ -208,8 +209,8 @@ contains
     if (.not. inside) j = 0
   end function nearest_closed
 
-  !> Find the projection of the nearest point of an element's cells, or else the facet that this
-  !! point faces. Element 0 means that the element faces nothing.
+  !> Find the projection of the point of an element's cells that is nearest to xi, or else the facet
+  !! that this point faces. Element 0 means that the element faces nothing.
   pure subroutine find_faced(cells, e, xi, foot)
     type(cells_t), intent(in) :: cells
     integer, intent(in) :: e
@@ -248,13 +249,13 @@ contains
   end function deepest_own_corner
 
   !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
-  !! penetration. Pressures of control points extend over whole elements. Therefore a point counts
-  !! only if its pressure exceeds the penalty of the control points times its own gap.
+  !! penetration. Pressures of control points extend over whole elements. Therefore a point is
+  !! included only if its pressure exceeds the penalty of the control points times its own gap.
   subroutine measure_cells(mortar, contact, k, shape, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
-    type(shape_t), intent(in) :: shape       !! of side k
+    type(shape_t), intent(in) :: shape       !! shape of side k
     type(contact_state_t), intent(inout) :: state
     real(wp) :: x(3), a(3, 2), b(3, 3), area, reference
     integer :: i

@@ -25,15 +25,15 @@ module mortar_type
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not sought
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
-    real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions there
+    real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions at the sliding point
     !> (n) Expected rate of slip [L/T]; negative: none.
     real(wp), allocatable :: ahead(:)
-    real(wp), allocatable :: limit(:)         !! (n) friction limit at its previous slip [F/L^2]
+    real(wp), allocatable :: limit(:)         !! (n) friction limit at the previous slip [F/L^2]
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip(:)          !! (n) [L]
     integer, allocatable :: state(:)          !! (n) OPEN, STICK, SLIP, TOUCH
-    real(wp), allocatable :: q(:), dq(:)      !! (ncontrol) pressure there and its derivative
+    real(wp), allocatable :: q(:), dq(:)      !! (ncontrol) pressure and its derivative
     real(wp), allocatable :: a(:)             !! (ncontrol) reference area of the overlap [L^2]
     real(wp), allocatable :: volume(:)        !! (ncontrol) sum of w N g [L^3]
     integer, allocatable :: round_first(:)    !! (ncontrol+1)
@@ -42,11 +42,11 @@ module mortar_type
   end type mortar_side_t
 
   !> Scratch space for the points of one element that carry a pressure. nk and nl are the numbers of
-  !! nodes of the two elements, nd = 3 (nk + nl).
+  !! nodes of the element and of the one that it faces, and nd = 3 (nk + nl).
   type, public :: kernel_t
     integer, allocatable :: point(:)           !! (n) points, sorted by slot
-    integer, allocatable :: slot(:)            !! (n) of the element that the point faces
-    integer, allocatable :: slide_slot(:)      !! (n) of its sliding point; 0: it has none
+    integer, allocatable :: slot(:)            !! (n) slot of the element that the point faces
+    integer, allocatable :: slide_slot(:)      !! (n) slot of its sliding point's element; 0: none
     real(wp), allocatable :: xe(:, :)          !! (3, nk) positions of its own nodes [L]
     !> For the m points that face one element; some of them slide on another element:
     real(wp), allocatable :: own(:)            !! (nk, m) own functions
@@ -60,17 +60,17 @@ module mortar_type
 
   !> Work space of one contact.
   type, public :: mortar_t
-    integer :: step = -1                      !! of the last projection
-    integer :: cuts = 0                       !! of cells since the iteration settled
+    integer :: step = -1                      !! step of the last projection
+    integer :: cuts = 0                       !! number of cuts of cells since the iteration settled
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
-    real(wp) :: travel = 0.0_wp               !! bound of all motions so far [L]
+    real(wp) :: travel = 0.0_wp               !! bound on all motions so far [L]
     real(wp), allocatable :: x_last(:, :)     !! (3, nnode) positions at the last projection [L]
-    real(wp), allocatable :: x_iterate(:, :)  !! (3, nnode) of the last iterate, without trials [L]
+    real(wp), allocatable :: x_iterate(:, :)  !! (3, nnode) last iterate, without trials [L]
     logical :: slides = .false.               !! friction acts
     logical :: fresh = .false.                !! forces of this step have not been formed yet
     type(shape_t) :: reference(2)
-    type(shape_t) :: start(2)                 !! at the start of the step, with friction
+    type(shape_t) :: start(2)                 !! surfaces at the start of the step, with friction
     type(grid_t) :: start_grid(2)
     type(mortar_side_t) :: side(2)
     type(kernel_t) :: kernel

@@ -19,7 +19,7 @@ module projection_iterate
   real(wp), parameter :: PROPER = 1.0e-6_wp
   !> Newton's step squares the error if the determinant is at least this fraction of the metric's.
   real(wp), parameter :: WELL = 0.1_wp
-  !> Steps shorter than this are not tested: rounding hides the decrease of the distance.
+  !> Steps shorter than this are not tested, because rounding hides the decrease of the distance.
   real(wp), parameter :: SHORT = 1.0e-4_wp
   integer, parameter :: MOST_HALVINGS = 30
   !> Largest fraction of the distance to a collapsed edge that a step may cover.
@@ -134,8 +134,8 @@ contains
     d = [h(2)*iterate%g(1) - h12*iterate%g(2), h(1)*iterate%g(2) - h12*iterate%g(1)]/det
     do i = 1, 2
       if (abs(iterate%xi(i)) < 1.0_wp .or. .not. iterate%xi(i)*d(i) > 0.0_wp) cycle
-      ! If the step leaves the element, move only the other parameter; if that one does not move
-      ! either, move this one inwards.
+      ! If the step leaves the element, move only the other parameter; if the other parameter does
+      ! not move either, move this one inwards.
       squares = .false.
       j = 3 - i
       d(i) = 0.0_wp

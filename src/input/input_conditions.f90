@@ -489,7 +489,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(boundary_t), intent(inout) :: bc
-    integer, allocatable :: state(:, :) ! (3, nnode) LOOSE_FREE, ...; 0: it takes effect
+    integer, allocatable :: state(:, :) ! (3, nnode) LOOSE_FREE, ...; 0: the value acts
     logical, allocatable :: active(:), on(:), moved(:, :)
     type(place_t), allocatable :: found(:)
     integer :: kind(draft%ncondition + 1), i, d, n

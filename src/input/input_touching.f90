@@ -30,7 +30,7 @@ module input_touching
   integer, parameter :: NPOINT = 4          !! points of a face in each of its two directions
   integer, parameter :: MOST_STEPS = 20
   integer, parameter :: MOST_PAIRS = 5      !! largest number of pairs that are named
-  real(wp), parameter :: BORDER = 1.0e-6_wp !! a parameter this far beyond the border is rounding
+  real(wp), parameter :: BORDER = 1.0e-6_wp !! a parameter this far beyond the border is inside
 
   !> All outer faces, and buckets of faces that are near each other.
   type :: skin_t
@@ -53,7 +53,7 @@ module input_touching
     integer :: face = 0                !! a face of the second body that touches the first
     real(wp) :: area(2) = 0.0_wp       !! area of each body that touches the other one [L^2]
     real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
-    logical :: overlaps = .false.      !! elements overlap at some of these points
+    logical :: overlaps = .false.      !! elements overlap at some points that touch
   end type pair_t
 
 contains

@@ -28,7 +28,7 @@ contains
   subroutine open_curve(curve, path, columns, nfactor, error, keep)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
-    character(*), intent(in) :: columns(:) !! names; trailing blanks do not count
+    character(*), intent(in) :: columns(:) !! names; trailing blanks are ignored
     integer, intent(in) :: nfactor         !! number of load factors
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep  !! last step whose row is kept

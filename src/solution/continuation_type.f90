@@ -148,7 +148,7 @@ contains
     if (iterations >= MANY) path%release = max(0.7_wp*path%release, SMALLEST_RELEASE)
   end subroutine adapt_release
 
-  !> Halve the release of a failed step. The result is false if that is too small.
+  !> Halve the release of a failed step. The result is false if the halved release is too small.
   logical function cut_release(path) result(possible)
     type(continuation_t), intent(inout) :: path
 
@@ -213,7 +213,7 @@ contains
     path%release = min(released, path%largest_release)
   end function opens_again
 
-  !> Halve the arc length of a failed step. The result is false if that is too short.
+  !> Halve the arc length of a failed step. The result is false if the halved length is too short.
   logical function cut_arc(path) result(possible)
     type(continuation_t), intent(inout) :: path
 

@@ -91,7 +91,7 @@ contains
     call form(asm, model, state, sweep, error) ! the next solve uses this tangent
   end subroutine retreat
 
-  !> Is an increment too long? A line search then follows. With the mortar scheme, it prevents
+  !> Is an increment too long? If so, a line search follows. With the mortar scheme, it prevents
   !! points with friction from alternating between stick and slip at small pressures. No cut-back
   !! would help there, because the friction cone is the same in a smaller step. The schemes of
   !! integration points have a wider limit, because their points open and close one at a time.

@@ -31,22 +31,22 @@ module newton
   public :: newton_t, pass_t, begin_newton, prepare_newton, set_factorisation, form_system, &
             solve_system, close_newton
 
-  integer, parameter :: MOST_HALVINGS = 6   !! of a prescribed increment
+  integer, parameter :: MOST_HALVINGS = 6   !! largest number of halvings of a prescribed increment
   !> The energy of the springs of `stabilisation` in an increment is negligible if it is smaller
   !! than this, relative to the total energy of the increment.
   real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
-  real(wp), parameter :: MANY_TIMES = 4.0_wp !! allowed ratio of increment to prescribed motion
+  real(wp), parameter :: MANY_TIMES = 4.0_wp !! allowed ratio of increment and prescribed motion
 
 contains
 
   !> Begin a step: state%factor and state%time are those at the end of the step, state%u is that at
-  !! its start.
+  !! the start of the step.
   subroutine begin_newton(newton, model, state, predicts, secant)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     logical, intent(in) :: predicts          !! the step may start from predicted displacements
-    logical, intent(in) :: secant            !! with secants of friction
+    logical, intent(in) :: secant            !! the step uses secants of friction
 
     newton%iterations = 0
     newton%before = 0
@@ -70,7 +70,7 @@ contains
     call begin_stabilisation(newton%hold, model)
     newton%asm%anchors = anchors_t()
     newton%predicted = .false.
-    ! moves of bodies towards a contact are not continued
+    ! do not continue moves of bodies towards a contact
     if (.not. predicts .or. secant .or. newton%constraint%on .or. newton%hold%active) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
@@ -169,7 +169,7 @@ contains
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: searches    !! with a line search
+    logical, intent(in) :: searches    !! use a line search
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: du(:, :)
@@ -279,7 +279,7 @@ contains
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: du(:, :)     !! (3, nnode) [L]
     real(wp), intent(in) :: s
-    logical, intent(in) :: rigid         !! it is a translation, not a solution of the system
+    logical, intent(in) :: rigid         !! du is a translation, not a solution of the system
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: before(:, :)
@@ -304,8 +304,9 @@ contains
     call note_move(newton%hold, state%u - before)
   end subroutine fly
 
-  !> Find the fraction of an increment that may be taken while there are springs. The fraction is
-  !! one, unless the increment is mainly a motion that only the springs resist.
+  !> Find the fraction of an increment that may be taken while stabilising springs are in the
+  !! tangent. The fraction is one, unless the increment is mainly a motion that only the springs
+  !! resist.
   subroutine find_fraction(newton, model, state, du, s)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

@@ -31,7 +31,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     real(wp), intent(in) :: move(:, :)       !! (3, nnode) prescribed increments [L]
-    integer, allocatable, intent(inout) :: piece(:) !! (nnode) body of a node; found if not known
+    integer, allocatable, intent(inout) :: piece(:) !! (nnode) body of a node; found here if unknown
     logical, intent(out) :: predicted
     real(wp) :: goes_on(3, size(move, 2))    ! continued increments [L]
     real(wp) :: ratio

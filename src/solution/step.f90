@@ -2,9 +2,10 @@
 !!
 !!     begin_step -> form_pass, solve_pass (Newton's iteration, until STEP_CONVERGED) -> close_step
 !!
-!! A pass or the last test may fail. Then cut_step restores the state at the start of the step and
-!! chooses another method of continuation or a smaller step; the outcome STEP_REWOUND tells the
-!! caller to go back to where the step began. If there is nothing left to try, cut_step fails.
+!! If form_pass, solve_pass or the last test of the step fails, cut_step restores the state at the
+!! start of the step and chooses another method of continuation or a smaller step. The outcome
+!! STEP_REWOUND tells the caller to go back to the command that began the step. If there is nothing
+!! left to try, cut_step fails.
 module step
   use anchored_newton, only: sum_of_loads
   use base_comm, only: largest
@@ -39,11 +40,11 @@ module step
   !> Number of iterations in which the cells of the mortar scheme settle; these iterations do not
   !! influence the size of the next step.
   integer, parameter :: SETTLING = 2
-  integer, parameter :: MOST_SECANT = 3 !! attempts of a step with secants of friction
+  integer, parameter :: MOST_SECANT = 3 !! largest number of attempts of a step with secants
 
 contains
 
-  !> DT: a new distance between targets, counted from the end of the current step.
+  !> Set the distance between targets (DT), counted from the end of the current step.
   subroutine change_dt(step, time, dt)
     type(step_t), intent(inout) :: step
     real(wp), intent(in) :: time, dt
@@ -58,8 +59,8 @@ contains
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    integer, intent(in), optional :: left !! targets that remain in the loop over time, this one
-    !! included; absent: a step without TIME, in which no time passes
+    integer, intent(in), optional :: left !! targets that remain in the loop over time, including
+    !! this one; absent: a step without TIME, in which no time passes
 
     step%start_step = state%step
     step%start_time = state%time
@@ -88,8 +89,8 @@ contains
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: symmetric     !! only the symmetric part of the tangent
-    type(place_t), intent(in) :: place   !! named in the error if the step fails for good
+    logical, intent(in) :: symmetric     !! form only the symmetric part of the tangent
+    type(place_t), intent(in) :: place   !! place to name in the error if no attempt succeeds
     integer, intent(out) :: outcome      !! STEP_GOES_ON or STEP_REWOUND
     type(error_t), allocatable, intent(out) :: error
 
@@ -106,7 +107,7 @@ contains
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    logical, intent(in) :: searches      !! with a line search
+    logical, intent(in) :: searches      !! use a line search
     type(place_t), intent(in) :: place
     integer, intent(out) :: outcome      !! STEP_GOES_ON, STEP_CONVERGED or STEP_REWOUND
     type(error_t), allocatable, intent(out) :: error
@@ -127,7 +128,7 @@ contains
     end if
     step%solved = .true.
     step%total%iterations = step%total%iterations + 1 + step%pass%short
-    if (step%newton%constraint%on) then  ! its time is known only now
+    if (step%newton%constraint%on) then  ! the end of the step is known only now
       call set_end(step%control, state%time, step%newton%constraint%at_limit)
     end if
     outcome = merge(STEP_CONVERGED, STEP_GOES_ON, step%newton%converged)
@@ -164,11 +165,11 @@ contains
     step%retry = .true.
   end subroutine cut_step
 
-  !> Choose the next attempt of a step under load control: a smaller step or secants of
-  !! friction.
+  !> Choose the next attempt of a step under load control: a smaller step or secants of friction.
   !!
-  !! The first step that needs the secants has been cut to dtmin before. From then on, each
-  !! size is tried without and with them, but with them at most MOST_SECANT times.
+  !! A step tries the secants for the first time when it has been cut to dtmin without them. In the
+  !! steps after it, each step size is tried first without and then with the secants, with them at
+  !! most MOST_SECANT times per step.
   subroutine choose_attempt(step, model, state, why, possible)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -207,7 +208,7 @@ contains
                   //'has dt = '//to_text(step%control%size)//how)
   end subroutine choose_attempt
 
-  !> Can secants of friction help? They need friction, and a time that is given.
+  !> Can secants of friction help? They need friction, and a step whose time is given.
   pure logical function can_use_secants(step, model)
     type(step_t), intent(in) :: step
     type(model_t), intent(in) :: model
@@ -309,7 +310,7 @@ contains
     outcome = STEP_IDLE
     if (.not. step%open) return
     step%open = .false.
-    if (.not. step%solved) then          ! nothing has moved: the step does not count
+    if (.not. step%solved) then          ! nothing was solved: there is no step to accept
       state%step = step%start_step
       if (step%timed) call accept_time(step%control, 0)
       return
@@ -370,8 +371,8 @@ contains
 
   !> In a model with contact, has a node moved farther than twice the sum of the size of the model
   !! and the largest prescribed displacement? A body that is held neither by contact nor by bonds is
-  !! in equilibrium anywhere, so the position to which such a node has moved has no meaning. Only
-  !! with inertia is the motion of the body determined.
+  !! in equilibrium anywhere, so the new positions of its nodes have no meaning. Only inertia
+  !! determines the motion of such a body.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
