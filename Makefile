@@ -249,7 +249,7 @@ clean:
 #: make MPI=1         $(BUILD)/mpi/bezel for mpirun; make check MPI=1 tests it on 1, 2 and 3 ranks
 #: make unit T=word   builds and runs the unit tests whose path contains the word
 #: make verify        patch tests and quick benchmarks; verify-all adds the slow ones, restarts and sanitizers
-#: make soak          hostile inputs, kills, signals, limits, units; MINUTES= limits the time, SEED= selects them
+#: make soak          random trials (bad input, kills, signals, limits, units); MINUTES= and SEED= set time and choice
 #: make demo          runs three decks and draws their figures
 #: make demo-rocker   meshes a body below a net of quads, slides a pin on it; needs Gmsh or TetGen
 #: make tradeoff      accuracy against cost of the contact options (takes an hour)
@@ -260,7 +260,7 @@ clean:
 #: make install       installs into PREFIX=/usr/local, below DESTDIR=; make deb makes a Debian package
 #: make clean         removes $(BUILD)/
 #:
-#: check, demo and verify install what is missing (apt, pip); where they may not, they name it.
+#: check, demo and verify install what is missing (apt, pip), or name it if they lack the permission.
 #: Variables: J= jobs ($(J)), BUILD= folder for builds, NATIVE=1 optimises for this processor, FC= compiler,
 #: PFUNIT= a pFUnit 4.14 to use for the unit tests, MUMPS_DIR= METIS_DIR= HDF5_DIR= prefixes,
 #: MUMPS_LIBS= the libraries of MUMPS, LDFLAGS= further flags for linking.

@@ -71,7 +71,7 @@ class Tolerances:
 
 
 def matches(pattern, table, column):
-    """Whether a pattern matches this column: its whole name, its beginning, or by wildcards.
+    """Whether a pattern matches this column: exactly, as the beginning of a name, or by wildcards.
 
     >>> matches("fo*_3", "top", "force_3"), matches("top/", "top", "force"), matches("x", "top", "u")
     (True, True, False)

@@ -113,7 +113,9 @@ def recover(bezel, out, run_, parts=3):
         if not stops:
             row.reason = "the run could not be stopped"
         elif code != wanted:
-            row.reason = f"exit code {code} after stops at {stops}, uninterrupted {wanted}"
+            row.reason = (
+                f"exit code {code} after stops at {stops}; the uninterrupted run has {wanted}"
+            )
         else:
             row.reason = difference(whole, broken, stem) or ""
             row.reason = row.reason and f"stops at {stops}: {row.reason}"

@@ -197,7 +197,7 @@ def _check_fans(net, twin, fail):
 
 
 def components(quads):
-    """Number of parts of a net that are not connected with each other.
+    """Number of parts of a net that are not connected to each other.
 
     >>> components(np.array([[0, 1, 2, 3], [4, 5, 6, 7]]))
     2

@@ -1,6 +1,6 @@
 """Move peaks of pyramids and points of the mesher to improve the worst cells.
 
-A mesher does not change the triangles of the pyramids, which are badly shaped below long quads.
+A mesher does not change the triangles of the pyramids, even if a pyramid is badly shaped.
 Here the peaks may move like the mesher's own points; the surface and the inner corners of the layer
 do not move.
 """

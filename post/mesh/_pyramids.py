@@ -15,7 +15,7 @@ SHRINK = 0.75
 class Pyramids:
     """The cells, and the closed surface of triangles from which the mesher starts."""
 
-    points: np.ndarray  # (inner corners of the layer, then peaks; 3)
+    points: np.ndarray  # (n, 3) inner corners of the layer, then peaks
     cells: np.ndarray  # (m, 5) the base, counter-clockwise seen from the peak, then the peak
     triangles: np.ndarray  # (k, 3) normals point out of the space that the tetrahedra will fill
 

@@ -1,4 +1,4 @@
-"""Read nets of quads from legacy VTK, OFF and OBJ files; of a file of hexahedra, the boundary."""
+"""Read nets of quads from legacy VTK, OFF and OBJ files, also as the boundary of hexahedra."""
 
 import pathlib
 

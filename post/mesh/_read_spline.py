@@ -179,7 +179,7 @@ def _text_vectors(t, count, width):
     for k, (n, length) in enumerate(heads):
         for _ in range(n):
             if at >= count or length > width:
-                t.fail("the vectors of the file are more, or longer, than it announces")
+                t.fail("the file contains more or longer vectors than it announces")
             if k < dense:
                 vectors[at, :length] = t.numbers(int(length), "a vector")
             else:

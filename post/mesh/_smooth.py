@@ -53,8 +53,8 @@ def smooth(surface, everywhere=False):
 def extraordinary(surface):
     """The set of corners inside the surface where the number of elements is not four.
 
-    Such corners need not be those where normals jump: with three elements the normals agree at the
-    corner, but not along the edges.
+    These are not necessarily the corners where normals jump: where three elements meet, the
+    normals agree at the corner, but not along the edges.
     """
     count = np.bincount(surface.corners.ravel())
     edges = {}

@@ -156,7 +156,7 @@ def _gmsh(folder, points, triangles, size, sizes=""):
         )
         f.write("$EndElements\n")
     limit = "1e22" if size is None else repr(float(size))
-    # HXT first; if it fails, the older and slower Delaunay mesher.
+    # Try HXT first and, if it fails, the older and slower Delaunay mesher.
     for algorithm in (10, 1):
         (folder / "volume.geo").write_text(GEO % (algorithm, limit) + sizes)
         out = folder / "out.msh"

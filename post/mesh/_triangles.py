@@ -47,7 +47,7 @@ def _meet(o, d, x):
 
 
 def intersections(points, triangles):
-    """(k, 2) pairs of triangles that intersect; triangles may touch at common points."""
+    """(k, 2) pairs of triangles that intersect elsewhere than at common points."""
     pairs = _near(points[triangles])
     cut = []
     for at in range(0, len(pairs), CHUNK // 8):

@@ -125,7 +125,7 @@ def bext_text(s):
     ]  # fmt: skip
     elements = [{"node_ids": n.tolist(), "coeff_vector_ids": v} for n, v in zip(s.nodes, ids)]
     dense = {"num_coeff_vectors": len(vectors), "num_components": s.coefficients[0].shape[1]}
-    # One list entry per line, for readers.
+    # One list entry per line keeps the file readable.
     parts = [
         f'{{"patch_id": 0, "dim": 2, "num_nodes": {len(full)}, "num_elems": {len(s.nodes)}, '
         f'"num_coeff_vecs": {len(vectors)}, "is_rational": {json.dumps(rational)},',

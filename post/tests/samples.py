@@ -54,8 +54,7 @@ def write_run(folder, stem="cube", **curve):
 
 def quarter_ring(layers=2):
     """Control points (n, 3), weights (n) and cells (layers, 27) of a quarter of a ring, 1 < r < 2,
-    in triquadratic
-    rational Bezier hexahedra; VTK's order of points is written out in `place`."""
+    in triquadratic rational Bezier hexahedra; `place` gives the order of points in VTK."""
     number, points, weights, cells = {}, [], [], []
     for c in range(layers):
         cell = [0] * 27
@@ -132,7 +131,7 @@ def write_fields(path, steps=3, grow=(0.3, -0.1, 0.4), noise=0.0):
         )
         s["StepNumber"] = 10 * np.arange(
             1, steps + 3
-        )  # room for more than there is, as the program leaves
+        )  # with unused room at the end, as in the files of the program
         s["CellOffsets"], s["ConnectivityIdOffsets"] = static[:, None], static[:, None]
         for name, values in moving.items():
             g[f"PointData/{name}"] = np.concatenate(values)

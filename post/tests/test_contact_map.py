@@ -105,7 +105,7 @@ class ContactMap(Scratch):
 
     def test_shape_and_field_are_those_of_the_cell(self):
         upper = self.found()[0]
-        # the middle control point stands 1/2 higher, its function is (1/2)^2 there
+        # the middle control point lies 1/2 higher, and its function is (1/2)^2 there
         self.assertAlmostEqual(upper.x[0, 2, 2, 2], 1 + 0.5 * 0.25, 12)
         for surface in self.found():
             np.testing.assert_allclose(surface.value, surface.x[..., 0], atol=1e-13)

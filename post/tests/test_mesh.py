@@ -252,7 +252,7 @@ class Bodies(Folder):
         self.assertGreater(_quality.tet_shapes(points[tets]).min(), _polish.TARGET)
         np.testing.assert_array_equal(points[:6], start[:6])
         self.assertLess(abs(_quality.tets(points, tets)[0].sum() / 4 * 3 - 1), 1e-14)
-        # Without points that may move, or with a good mesh, nothing does.
+        # Nothing moves if no point may move, or if the mesh is good.
         for fixed, at in ((7, start), (6, points.copy())):
             again = at.copy()
             _polish.improve(again, tets, np.empty((0, 5), dtype=int), fixed)

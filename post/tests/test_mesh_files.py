@@ -46,7 +46,7 @@ class Files(Folder):
         body = body_of(str(path), interior="none")
         self.assertLessEqual({"bore_left", "bore_right", "pad"}, set(body.surface.sets))
         self.assertEqual(len(_smooth.extraordinary(body.whole)), 16)
-        # Two holes: 2 - 2 genus = vertices - edges + faces, edges twice the faces of a quad net.
+        # Two holes: vertices - edges + faces = 2 - 2 genus; a net has twice as many edges as quads.
         self.assertEqual(len(body.form.inner) - len(body.whole.nodes), 2 - 2 * 2)
 
     def test_pictures_are_drawn(self):

@@ -16,7 +16,7 @@ HEAD = (
 
 
 class Made:
-    """A curve over the given degrees; the force on both sides is a function of the degrees."""
+    """A curve at the given angles; the force on both sides is a function of the angle."""
 
     def __init__(self, degrees, one, two):
         self.degree = np.array(degrees, dtype=float)

@@ -17,7 +17,7 @@ from verification import TOP
 from verification.section3.bend import curved_bar_rows
 from verification.section3.hertz import case, make
 
-EXACT = 1e-12  # difference of the sum of volumes from the integral over the surface, relative
+EXACT = 1e-12  # relative difference of the sum of volumes from the surface integral
 TOLERANCE = 0.01  # of ratios to Hertz's solution; other versions of Gmsh make other tetrahedra
 SKIPPED = object()  # marks a skipped check
 APART = 0.015  # of the bar's forces; linear tetrahedra are 1.0 % stiffer than hexahedra

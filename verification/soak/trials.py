@@ -208,7 +208,7 @@ def restart_trial(context, chance):
     if done.code == 1:
         done.files = []
         if inputs_of(home) != before:
-            wrong = "input: a file was changed with exit code 1"
+            wrong = "input: a file was changed although the exit code is 1"
     wrong = wrong or judge(done, home / "out", (0, 1, 3), place=False)
     if not wrong and done.code == 0:
         wrong = difference(whole, home / "out", deck.stem) or ""

@@ -149,7 +149,7 @@ class Contact(Folder):
 
 class Sliding(Folder):
     def slide(self, *changes):
-        """The screen's text for a block that is pushed sideways."""
+        """What the screen shows for a block that is pushed sideways."""
         deck = (HERE / "slides.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)
@@ -234,7 +234,7 @@ class Moved(Folder):
 
 class Overlap(Folder):
     def check(self, name, *changes):
-        """The screen's text for a deck of the folder `silent` with changes, read but not run."""
+        """What the screen shows for a deck of the folder `silent` with changes, read but not run."""
         deck = (SILENT / f"{name}.inp").read_text()
         for old, new in changes:
             self.assertIn(old, deck)

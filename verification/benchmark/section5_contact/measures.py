@@ -208,8 +208,9 @@ def sliding_from(run):
 
 
 def all_sliding_from(run):
-    """The angles from which on no point sticks: on the hemisphere except at its pole, and on the
-    block. The share of the point at the pole is taken to be the smallest nonzero share that sticks.
+    """The angle from which on no point sticks, for the hemisphere (except at its pole) and the block.
+
+    The share of the point at the pole is taken to be the smallest nonzero share that sticks.
     """
     shares, turned = sticking(run, 1)
     pole = shares[(shares > 0) & (turned > 0)].min()
