@@ -2,7 +2,7 @@
 !!
 !! Such a contact may be a stop that nothing should reach, so this is a note and not a warning,
 !! unless corners of elements penetrate while no integration point does. A contact with bonds is
-!! left out: its faces are meant to separate.
+!! left out, because its faces are meant to separate.
 module contact_missed
   use base_kinds, only: wp
   use base_log, only: note, warn

@@ -300,7 +300,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, c
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
-    real(wp), intent(in) :: secant           !! share w of the secants: they omit dt/dp
+    real(wp), intent(in) :: secant           !! share w of the secants, which omit dt/dp
     integer, intent(in) :: at(:)             !! (nnode) column of a node
     real(wp), intent(out) :: slope(:, :), rows(:, :) !! (3, nodes) [L^2]
     real(wp) :: psi(size_of_element(contact%side(k)))

@@ -45,8 +45,8 @@ module input_contact
 
 contains
 
-  !> Make the contacts of the model. The mesh must be tabulated and its nodes tied. Errors go to the
-  !! list.
+  !> Make the contacts of the model. The functions of the mesh must have been tabulated, and its
+  !! nodes tied. Errors go to the list.
   subroutine build_contacts(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model

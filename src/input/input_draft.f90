@@ -174,7 +174,7 @@ module input_draft
     logical :: skips_comments = .false. !! skip comments in the set instead of closing it
     integer :: closed = 0 !! row of the word of this set or, between sets, of the last one
     type(place_t) :: closed_place      !! place where that set begins
-    integer :: closed_line = 0         !! line in which it ends
+    integer :: closed_line = 0         !! line in which that set ends
     logical :: has_pending = .false.
     type(record_t) :: pending          !! a word that closed a set without a blank record
   end type draft_t

@@ -25,7 +25,7 @@ contains
   subroutine external_force(model, state, map, k, f)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    type(map_t), intent(in) :: map(:)        !! one for each block
+    type(map_t), intent(in) :: map(:)        !! maps, one for each block
     type(block_matrix_t), intent(inout) :: k !! follower pressures add their tangent
     real(wp), intent(out) :: f(:, :)         !! (3, nnode) [F]
     integer :: j
