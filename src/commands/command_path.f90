@@ -5,9 +5,10 @@ module command_path
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: quoted, to_text
+  use command_step, only: finish_step
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
-  use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
+  use dynamics_type, only: new_dynamics, set_rates, BACKWARD_EULER, NEWMARK, HHT
   use energy_type, only: open_book
   use mesh, only: is_rigid
   implicit none
@@ -108,7 +109,7 @@ contains
                                'TRANsient,BACK | NEWMark,beta,gamma | HHT,beta,gamma,alpha | OFF'
     real(wp) :: beta, gamma, alpha
     integer :: method, nnumber
-    logical :: off
+    logical :: off, rewound
 
     if (all(command%option /= ['back', 'newm', 'hht ', 'off ', 'stat'])) then
       call fail(error, DECK_ERROR, 'unknown time integration '//quoted(command%record%text(2)), &
@@ -135,10 +136,12 @@ contains
       call warn_unstable(command, beta, gamma, alpha)
     end if
     if (allocated(error) .or. run%program%dry) return
+    call finish_solved_step(run, rewound, error)
+    if (allocated(error) .or. rewound) return
     associate (dynamics => run%state%dynamics)
+      if (.not. (off .or. dynamics%on)) call new_dynamics(dynamics, run%model%mesh%nnode)
       dynamics%on = .not. off
       if (off) return
-      if (.not. allocated(dynamics%v)) call new_dynamics(dynamics, run%model%mesh%nnode)
       dynamics%density = -1.0_wp
       run%step%continuation%given = .true. ! no inertia other than that of this scheme
       run%step%continuation%method = PATH_OFF
@@ -147,8 +150,20 @@ contains
       dynamics%beta = beta
       dynamics%gamma = gamma
       dynamics%alpha = alpha
+      if (run%step%open) call set_rates(dynamics, run%state%dt)
     end associate
   end subroutine run_tran
+
+  !> Close the current step if a system was solved in it, because the inertia of this step follows
+  !! from earlier commands. `rewound` is true if the step is repeated.
+  subroutine finish_solved_step(run, rewound, error)
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: rewound
+    type(error_t), allocatable, intent(out) :: error
+
+    rewound = .false.
+    if (run%step%open .and. run%step%solved) call finish_step(run, rewound, error)
+  end subroutine finish_solved_step
 
   !> Warn about parameters for which long steps are unstable.
   !!
@@ -234,6 +249,7 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
+    logical :: rewound
 
     if (all(command%option /= ['    ', 'cons', 'lump'])) then
       call fail(error, DECK_ERROR, 'unknown type of mass '//quoted(command%record%text(2)), &
@@ -241,6 +257,8 @@ contains
       return
     end if
     if (run%program%dry) return
+    call finish_solved_step(run, rewound, error)
+    if (allocated(error) .or. rewound) return
     run%state%dynamics%lumped = command%option == 'lump'
     if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
   end subroutine run_mass
