@@ -208,6 +208,7 @@ contains
     call exchange(x, 'path_warned', run%step%continuation%warned)
     call exchange(x, 'path_warned_energy', run%step%continuation%warned_energy)
     call exchange(x, 'total_unstable', run%step%total%unstable)
+    call exchange(x, 'total_jumped', run%step%total%jumped)
     call exchange(x, 'turn_warned', run%plan%turn_warned)
     call exchange(x, 'strain_warned', run%plan%strain_warned)
     call exchange_warnings(x)

@@ -5,6 +5,7 @@ module command_watch
   use base_text, only: quoted, to_text
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
+  use energy_growth, only: warn_growth
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
   use table_use, only: watch_tables, watch_tables_end
@@ -96,12 +97,14 @@ contains
     end do
   end subroutine watch_strains
 
-  !> At the end of a run, warn about loads that never acted and about friction that never acted.
+  !> At the end of a run, warn about loads and friction that never acted, and about results that the
+  !! whole run has shown to be doubtful.
   subroutine watch_end(run)
     type(run_t), intent(in) :: run
     integer :: c
 
     call watch_tables_end(run)
+    call warn_growth(run%state)
     if (.not. allocated(run%plan%rubbed)) return ! no step was closed
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))

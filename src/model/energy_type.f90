@@ -18,6 +18,12 @@ module energy_type
     real(wp) :: contact = 0.0_wp      !! work against the contact forces [F L]
     !> The largest energy stored in penetration so far, and its ratio to `outer` at that time.
     real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
+    !> Steps with inertia (energy_growth): whether the last step was one; the excess of the energies
+    !! over the work before the first of them, in all and without bodies; the largest energy of
+    !! bodies, contacts and motion; the largest growth of the excess, and its time [F L].
+    logical :: moving = .false.
+    real(wp) :: excess_before = 0.0_wp, excess_without = 0.0_wp
+    real(wp) :: largest = 0.0_wp, growth = 0.0_wp, growth_time = 0.0_wp
     !> (3, nnode) Forces at the end of the previous step, and the change of f_outer in that step
     !! [F].
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :), rise(:, :)

@@ -71,6 +71,8 @@ module model
     !! dofs the residual
     real(wp), allocatable :: reaction_step(:, :) !! the same at the start of the step [F]
     real(wp), allocatable :: factor(:)    !! factor of each load table
+    real(wp), allocatable :: factor_step(:) !! the same at the end of the previous step; not
+    !! allocated: there is none
     type(load_table_t), allocatable :: table(:)
     type(history_t), allocatable :: history(:) !! one for each block
     type(contact_state_t), allocatable :: contact(:) !! one for each contact

@@ -37,6 +37,7 @@ contains
     call exchange(archive, group//'/reaction', state%reaction, error)
     if (.not. archive%writes) state%reaction_step = state%reaction
     call exchange_list(archive, group//'/factor', state%factor, error)
+    if (.not. archive%writes .and. state%step > 0) state%factor_step = state%factor
     call exchange_tables(archive, group//'/table', state%table, error)
     do b = 1, size(state%history)
       path = group//numbered('/history', b)
@@ -139,6 +140,12 @@ contains
       call exchange(archive, group//'/contact', energy%contact, error)
       call exchange(archive, group//'/penetration', energy%penetration, error)
       call exchange(archive, group//'/penetration_share', energy%penetration_share, error)
+      call exchange(archive, group//'/moving', energy%moving, error)
+      call exchange(archive, group//'/excess_before', energy%excess_before, error)
+      call exchange(archive, group//'/excess_without', energy%excess_without, error)
+      call exchange(archive, group//'/largest', energy%largest, error)
+      call exchange(archive, group//'/growth', energy%growth, error)
+      call exchange(archive, group//'/growth_time', energy%growth_time, error)
       call exchange(archive, group//'/f_outer', energy%f_outer, error)
       call exchange(archive, group//'/f_inert', energy%f_inert, error)
       call exchange(archive, group//'/f_contact', energy%f_contact, error)

@@ -241,9 +241,9 @@ contains
 
       call leave_load_control(path, BY_INERTIA)
       dynamics%on = .true.
-      if (.not. (path%given .or. path%warned)) then
+      if ((.not. path%given .or. path%method == PATH_ARC) .and. .not. path%warned) then
         path%warned = .true.
-        call warn('load control ends at time '//to_text(step%start_time)//'; the run continues ' &
+        call warn(what//' at time '//to_text(step%start_time)//'; the run continues ' &
                   //'with inertia where necessary', hint='the log says where and why; with ' &
                   //'ARCLength,OFF in the deck the run would end here')
       end if

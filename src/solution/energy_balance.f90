@@ -14,7 +14,8 @@ module energy_balance
   use solution_state, only: accept_step_state
   implicit none
   private
-  public :: accept_solution, energy_entry
+  public :: accept_solution, energy_entry, stored_energy, energy_at_start, &
+            contact_energy_of
 
 contains
 
@@ -41,6 +42,44 @@ contains
     call accept_contact(asm%contact, model, state)
     call accept_step_state(state)
   end subroutine accept_solution
+
+  !> Energy that bodies and contacts store or, in contacts, have dissipated [F L].
+  real(wp) function stored_energy(model, state) result(energy)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+
+    energy = body_energy(model, state, 0) + contact_energy_of(model, state)
+  end function stored_energy
+
+  !> The same at the start of the current step; the step must not have been accepted yet [F L].
+  real(wp) function energy_at_start(model, state) result(energy)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(state_t) :: start
+    integer :: b
+
+    start%u = state%u_step
+    allocate (start%history(size(state%history)))
+    do b = 1, size(state%history)
+      associate (own => state%history(b), first => start%history(b))
+        allocate (first%iter(size(own%iter, 1), size(own%iter, 2)), source=0.0_wp)
+        first%iter(:size(own%step, 1), :) = own%step
+      end associate
+    end do
+    energy = body_energy(model, start, 0) + contact_energy_of(model, state)
+  end function energy_at_start
+
+  !> Energy that contacts store or have dissipated at the end of the last accepted step [F L].
+  pure real(wp) function contact_energy_of(model, state) result(energy)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer :: c
+
+    energy = 0.0_wp
+    do c = 1, size(model%contact)
+      energy = energy + sum(contact_energies(model%contact(c), state%contact(c)))
+    end do
+  end function contact_energy_of
 
   !> One entry of the balance [F L]. IMBAlance is the excess of the work of supports and loads over
   !! the energies; it consists of the error of that work and of the energy that the forces of

@@ -60,6 +60,7 @@ contains
     newton%exact = .true.
     newton%may_retreat = .false.
     newton%largest_energy = 0.0_wp
+    newton%first_energy = 0.0_wp
     newton%before_solve = 0.0_wp
     newton%expected = 0.0_wp
     newton%sign = 0
@@ -341,6 +342,7 @@ contains
     allocate (du(3, model%mesh%nnode))
     call full_vector(model%eq, newton%dx, du)
     pass%energy = abs(dot_product(newton%dx, newton%rhs)) + pass%sweep%enhanced
+    if (.not. newton%largest_energy > 0.0_wp .and. .not. moved) newton%first_energy = pass%energy
     if (moved) then
       du = du + newton%move
       allocate (force(3, model%mesh%nnode))

@@ -114,6 +114,7 @@ contains
     state%last_dt = state%dt
     state%u_step = state%u
     state%reaction_step = state%reaction
+    state%factor_step = state%factor
     do b = 1, size(state%history)
       state%history(b)%step = state%history(b)%iter(:size(state%history(b)%step, 1), :)
     end do

@@ -21,7 +21,9 @@ module step
   use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
   use energy_balance, only: accept_solution
+  use energy_growth, only: begin_motion, follow_growth
   use friction_limit, only: sliding_text
+  use load_jump, only: jump_t, suspect_jump, report_jump
   use model, only: model_t, state_t
   use newton, only: begin_newton, form_system, solve_system, close_newton
   use newton_type, only: pass_t
@@ -305,6 +307,7 @@ contains
     integer, intent(out) :: outcome      !! STEP_IDLE, STEP_ACCEPTED or STEP_REWOUND
     type(error_t), allocatable, intent(out) :: error
     type(pass_t) :: pass
+    type(jump_t) :: jump
     integer :: iterations
 
     outcome = STEP_IDLE
@@ -350,7 +353,11 @@ contains
     end associate
     call report_contact_changes(model, state)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
+    if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
+    call begin_motion(step%newton%asm, model, state)
     call accept_solution(step%newton%asm, model, state)
+    call follow_growth(model, state)
+    if (jump%suspected) call report_jump(jump, model, state, step%total%jumped)
     call measure_contacts(model, state)
     call follow_gaps(model, state)
     if (step%timed .and. step%newton%constraint%on) then

@@ -24,6 +24,7 @@ module step_type
     logical :: unconverged = .false.     !! a step was closed before it converged
     logical :: inertia = .false.         !! a step with inertia was accepted
     logical :: unstable = .false.        !! the warning about an unstable state was issued
+    logical :: jumped = .false.          !! the warning about a jump was issued
   end type step_totals_t
 
   type :: step_t
