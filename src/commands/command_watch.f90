@@ -5,6 +5,7 @@ module command_watch
   use base_text, only: quoted, to_text
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
+  use contact_patch, only: warn_small_patches
   use energy_growth, only: warn_growth
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
@@ -105,6 +106,7 @@ contains
 
     call watch_tables_end(run)
     call warn_growth(run%state)
+    call warn_small_patches(run%model, run%state)
     if (.not. allocated(run%plan%rubbed)) return ! no step was closed
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))

@@ -14,7 +14,7 @@ module contact_bond
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
   use contact_point, only: energy_at_rest, outer
-  use contact_type, only: cohesion_t, MAX_PAST
+  use contact_type, only: cohesion_t, LARGEST_OPENINGS, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -23,9 +23,12 @@ module contact_bond
   use surface_geometry, only: update_shape
   implicit none
   private
-  public :: find_bonds, find_opened_bonds, bond_traction_t, find_bond_traction, needs_projection
+  public :: find_bonds, find_opened_bonds, find_softening, find_broken_bonds, bond_traction_t, &
+            find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
+  !> Traction that counts as almost nothing, relative to the largest one.
+  real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative rounding error of the positions
 
   !> Traction of a bonded point per reference area, and its derivatives.
@@ -129,6 +132,61 @@ contains
       end if
     end do
   end subroutine find_opened_bonds
+
+  !> Find the openings between which the traction of a bond falls from its largest value to almost
+  !! nothing, with samples of both modes. The traction of every mode increases up to `strongest`,
+  !! and has fallen from `weakened` on.
+  subroutine find_softening(contact)
+    type(contact_t), intent(inout) :: contact
+    integer, parameter :: SAMPLES = 500
+    real(wp), parameter :: MODE(3, 2) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp], &
+                                                [3, 2])
+    real(wp) :: past(MAX_PAST), now(MAX_PAST), opening(SAMPLES), t(SAMPLES)
+    type(cohesion_t) :: c
+    integer :: i, j, peak
+
+    past = 0.0_wp
+    contact%strongest = contact%released
+    contact%weakened = 0.0_wp
+    opening = [(contact%released*i/SAMPLES, i=1, SAMPLES)]
+    do j = 1, 2
+      do i = 1, SAMPLES
+        call contact%cohesive%law%cohesive(contact%cohesive%prop, 0.0_wp, opening(i)*MODE(:, j), &
+                                           MODE(:, 1), past, now, c)
+        t(i) = norm2(c%t)
+      end do
+      peak = maxloc(t, 1)
+      contact%strongest = min(contact%strongest, opening(peak))
+      do i = SAMPLES, peak + 1, -1
+        if (t(i) > ALMOST_NOTHING*t(peak)) exit
+      end do
+      contact%weakened = max(contact%weakened, opening(min(i + 1, SAMPLES)))
+    end do
+  end subroutine find_softening
+
+  !> Find the part of the bonded area whose bonds have broken in the current step without having
+  !! reached their largest traction before it. The step must not have been accepted yet.
+  pure real(wp) function find_broken_bonds(contact, state) result(part)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: area
+    integer :: i, k
+
+    area = 0.0_wp
+    part = 0.0_wp
+    do k = 1, 2
+      associate (points => state%side(k))
+        do i = 1, size(points%bond)
+          if (points%bond(i) == 0) cycle
+          area = area + points%area0(i)
+          if (norm2(points%past(LARGEST_OPENINGS, i)) < contact%weakened) cycle
+          if (norm2(points%past_step(LARGEST_OPENINGS, i)) > contact%strongest) cycle
+          part = part + points%area0(i)
+        end do
+      end associate
+    end do
+    if (area > 0.0_wp) part = part/area
+  end function find_broken_bonds
 
   !> Does the traction of a bond still increase at the given normal opening?
   logical function stiffens(contact, opening)

@@ -114,6 +114,9 @@ module contact_pair
     type(bond_t), allocatable :: bond(:) !! bonded points are in all these regions
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element size
     real(wp) :: released = 0.0_wp            !! opening at which a bond counts as released [L]
+    !> Openings of a bond: up to `strongest` the traction increases in every mode, from `weakened`
+    !! on hardly any is left [L].
+    real(wp) :: strongest = 0.0_wp, weakened = huge(1.0_wp)
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in each direction
@@ -223,6 +226,10 @@ module contact_pair
     real(wp) :: nearest = huge(1.0_wp), x_nearest(3) = 0.0_wp
     integer :: nearest_step = 0              !! 0: before the first step
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
+    logical :: break_warned = .false.        !! warned about bonds that break within a step
+    !> Size of the touching region at the largest force so far, relative to an element; negative:
+    !! the region extends over elements, or is not known (contact_patch).
+    real(wp) :: patch = -1.0_wp
   end type contact_state_t
 
 contains

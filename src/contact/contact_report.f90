@@ -4,7 +4,9 @@ module contact_report
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
+  use contact_bond, only: find_broken_bonds, find_opened_bonds
   use contact_history, only: had_touched
+  use contact_patch, only: follow_patch
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, MORTAR
   use contact_resultant, only: resultant_t, side_resultant
   use contact_sweep, only: find_sweep
@@ -27,6 +29,7 @@ module contact_report
   real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration over element size that causes a warning
   real(wp), parameter :: HALF = 0.5_wp        !! elastic slip over motion that causes a warning
   real(wp), parameter :: SOFT = 0.2_wp !! share of the work in penetration that causes a warning
+  real(wp), parameter :: MOST = 0.5_wp        !! share of the bonds that break in one step
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible, relative to the largest force so far
 
 contains
@@ -52,6 +55,7 @@ contains
                     //'longer count as contact: the bodies pass through each other', &
                     contact%place, 'use a stiffer penalty or a larger DEPTh')
         end if
+        call report_break(contact, model%mesh%xr, state, state%contact(c))
         n = [(count(side(k)%state /= OPEN), k=1, 2)]
         if (had_touched(state%contact(c)) .eqv. any(n > 0)) cycle
         if (any(n > 0)) then
@@ -64,6 +68,32 @@ contains
       end associate
     end do
   end subroutine report_contact_changes
+
+  !> Warn if most bonds of a contact break in one step before which they had not reached their
+  !! strength: nothing shows the largest force. Inertia that carries a model over a snap
+  !! (ARCLength) is meant to do so.
+  subroutine report_break(contact, xr, state, now)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: xr(:, :)     !! (3, nnode) [L]
+    type(state_t), intent(in) :: state
+    type(contact_state_t), intent(inout) :: now
+    real(wp) :: part, widest, strongest
+    integer :: n
+
+    if (.not. contact%cohesive%given .or. now%break_warned) return
+    if (state%dynamics%on .and. state%dynamics%density >= 0.0_wp) return
+    part = find_broken_bonds(contact, now)
+    if (part < MOST) return
+    if (state%step == 1) then ! bonds that a gap at the start has opened are reported there
+      call find_opened_bonds(contact, xr, now, n, widest, strongest)
+      if (n > 0) return
+    end if
+    now%break_warned = .true.
+    call warn("contact '"//contact%name//"': "//to_text(100*part, 3)//' % of the bonds break in ' &
+              //'step '//to_text(state%step)//', from below their strength to almost no ' &
+              //'traction: the curves miss the largest force', contact%place, 'take smaller ' &
+              //'steps before time '//to_text(state%time)//': DT with a smaller dt')
+  end subroutine report_break
 
   !> Record the balance and the penetration of an accepted step, and warn if they show that results
   !! are wrong.
@@ -80,6 +110,7 @@ contains
           call side_resultant(model, state, c, k, [0.0_wp, 0.0_wp, 0.0_wp], side(k))
         end do
         largest = max(norm2(side(1)%force), norm2(side(2)%force))
+        if (largest > now%largest_force) call follow_patch(contact, model%mesh%xr + state%u, now)
         now%largest_force = max(now%largest_force, largest)
         if (largest > NO_FORCE*now%largest_force .and. .not. contact%self) then
           now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)

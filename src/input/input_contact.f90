@@ -17,6 +17,7 @@ module input_contact
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
   use base_text, only: quoted, to_text, nearest, lower
+  use contact_bond, only: find_softening
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
   use contact_start, only: start_t, look_at_start
   use contact_surface, only: build_surface, tabulate_contact
@@ -121,8 +122,10 @@ contains
     call set_penalties(model, start, contact)
     ! If a side is rigid, BALAnced makes no difference, because that side bears all forces anyway.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
-    if (contact%cohesive%given) contact%released = &
-      contact%cohesive%law%released(contact%cohesive%prop)
+    if (contact%cohesive%given) then
+      contact%released = contact%cohesive%law%released(contact%cohesive%prop)
+      call find_softening(contact)
+    end if
     ! When damaged bonds close again, all gaps are about zero. The penalty law has a kink there,
     ! which SMOOth rounds off.
     if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING

@@ -87,6 +87,8 @@ contains
     call exchange(archive, group//'/balance_warned', contact%balance_warned, error)
     call exchange(archive, group//'/penetration_warned', contact%penetration_warned, error)
     call exchange(archive, group//'/friction_warned', contact%friction_warned, error)
+    call exchange(archive, group//'/break_warned', contact%break_warned, error)
+    call exchange(archive, group//'/patch', contact%patch, error)
     if (archive%writes) return
     contact%force_step = contact%force
     contact%moment_step = contact%moment
