@@ -44,10 +44,10 @@ contains
     megabytes = BUFFER_MB + FURTHER_MB*max(n - 1, 0)
     allocate (character(int(megabytes, i8)*2**20) :: room, stat=status)
     if (status /= 0) then
-      call fail(error, SYSTEM_ERROR, 'not enough memory for the linear algebra, which needs ' &
-                //to_text(megabytes)//' MB before a model is read', &
-                hint='see the limits that ulimit -a shows'// &
-                trim(merge(', or use fewer threads', '                      ', n > 1)))
+      call fail(error, SYSTEM_ERROR, 'not enough memory to start the linear algebra library, ' &
+                //'which needs '//to_text(megabytes)//' MB', hint='raise the limits that ulimit ' &
+                //'-a shows' &
+                //trim(merge(', or use fewer threads', '                      ', n > 1)))
       return
     end if
     deallocate (room)

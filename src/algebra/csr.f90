@@ -65,7 +65,7 @@ contains
     do g = 1, size(cliques)
       if (size(cliques(g)%conn) == 0) cycle
       if (minval(cliques(g)%conn) < 1 .or. maxval(cliques(g)%conn) > nnode) then
-        call fail(error, BUG, 'an element of the pattern refers to a node outside 1 to ' &
+        call fail(error, BUG, 'an element refers to a node outside the range 1 to ' &
                   //to_text(nnode))
         return
       end if
@@ -111,7 +111,7 @@ contains
 
     if (9*nblock <= int(huge(1), i8)) return
     call fail(error, SYSTEM_ERROR, 'the tangent matrix would have '//to_text(9*nblock) &
-              //' entries, more than '//to_text(huge(1)), hint='use a coarser mesh')
+              //' entries, more than the limit of '//to_text(huge(1)), hint='use a coarser mesh')
   end subroutine check_size
 
   !> Visit the blocks column by column, so that the columns of every row ascend without sorting.

@@ -124,9 +124,9 @@ contains
     ls%automatic = mode == AUTO
     ls%mode = merge(FULL, mode, ls%automatic)
     if (mode < FULL .or. mode > AUTO) then
-      call fail(error, BUG, 'unknown mode '//to_text(mode)//' of a linear system')
+      call fail(error, BUG, 'the linear system has the unknown mode '//to_text(mode))
     else if (mode == LOWRANK .and. .not. (eps > 0.0_wp .and. eps < 1.0_wp)) then
-      call fail(error, BUG, 'expected an error of low-rank factors between 0 and 1, found ' &
+      call fail(error, BUG, 'expected an accuracy of low-rank factors between 0 and 1, found ' &
                 //to_text(eps))
     end if
     if (allocated(error)) return

@@ -31,7 +31,8 @@ module mumps_instance
   real(wp), parameter :: NULL_PIVOT = 1e-18_wp, NULL_PIVOT_SINGLE = 1e-12_wp
 
   character(*), parameter :: COARSER = 'use a coarser mesh or a machine with more memory'
-  character(*), parameter :: HALF = 'FACTor,SINGle needs about half as much; otherwise '//COARSER
+  character(*), parameter :: HALF = 'FACTor,SINGle needs about half as much memory; if that is ' &
+                             //'still too much, '//COARSER
 
   !> An instance. Between start and finish, either d or s is associated.
   type :: mumps_t
@@ -375,12 +376,12 @@ contains
 
     select case (code)
     case (-6)
-      call fail(error, NO_SOLUTION, 'the tangent is singular: its pattern has rank ' &
-                //to_text(detail)//' of '//to_text(neq), &
-                hint='look for nodes without stiffness or support')
+      call fail(error, NO_SOLUTION, 'the tangent is singular: the pattern of its '//to_text(neq) &
+                //' equations has only rank '//to_text(detail), hint='look for nodes without ' &
+                //'stiffness or support')
     case (-10)
       call fail(error, NO_SOLUTION, 'the tangent is singular', &
-                hint='look for free bodies and missing supports')
+                hint='look for bodies that can move freely and for missing supports')
     case (-5, -7)
       call fail(error, SYSTEM_ERROR, 'not enough memory for the analysis of '//to_text(neq) &
                 //' equations ('//amount(detail)//' numbers could not be allocated)', hint=COARSER)
@@ -389,7 +390,7 @@ contains
                 //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
     case (-8, -9, -11, -14, -15, -19)
       call fail(error, SYSTEM_ERROR, 'pivoting needs much more work space than estimated (' &
-                //amount(detail)//' numbers are missing)', &
+                //amount(detail)//' more numbers)', &
                 hint='the tangent may be close to singular; '//HALF)
     case (-17, -20)
       call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
@@ -398,14 +399,14 @@ contains
                 //' equations are too many for the 32-bit integers of MUMPS', &
                 hint='use a coarser mesh')
     case (-90)
-      call fail(error, SYSTEM_ERROR, 'MUMPS could not use its files on disk')
+      call fail(error, SYSTEM_ERROR, 'MUMPS could not write or read its factors on disk')
     case (-2, -3, -4, -16, -40:-21, -800)
       call fail(error, BUG, 'MUMPS rejected its input with code '//to_text(code)//', detail ' &
                 //to_text(detail))
     case default
       call fail(error, SYSTEM_ERROR, 'MUMPS failed with code '//to_text(code)//', detail ' &
                 //to_text(detail), &
-                hint='see INFOG(1) in the users'' guide of MUMPS')
+                hint='the users'' guide of MUMPS explains the code under INFOG(1)')
     end select
   end subroutine describe_failure
 

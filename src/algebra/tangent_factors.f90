@@ -136,7 +136,8 @@ contains
 
     factors%note = 'a factorisation '//describe_storage(the_way(factors))//' needs about ' &
                    //to_text(nint(factors%estimate_mb, i8))//' MB, but only ' &
-                   //to_text(nint(memory_mb(factors), i8))//' MB are available; factors are made '
+                   //to_text(nint(memory_mb(factors), i8))//' MB are available; factors are ' &
+                   //'computed '
     factors%way = factors%way + 1
     factors%note = factors%note//describe_storage(the_way(factors))
     factors%analysed = .false.

@@ -206,7 +206,7 @@ contains
     character(:), allocatable :: reason
     integer :: i
 
-    reason = 'no name'
+    reason = 'its name is empty'
     do i = 1, len(path)
       if (i < len(path)) then
         if (path(i + 1:i + 1) /= '/' .or. path(i:i) == '/') cycle
@@ -216,7 +216,7 @@ contains
     call inspect(path, file)
     if (file%kind == FILE_FOLDER) return
     if (file%kind /= FILE_ABSENT) reason = 'it exists and is not a folder'
-    call fail(error, SYSTEM_ERROR, "cannot make the folder '"//path//"': "//reason)
+    call fail(error, SYSTEM_ERROR, "cannot create the folder '"//path//"': "//reason)
   end subroutine make_folder
 
   !> Rename a file. If the new name exists, its file is replaced atomically, so that one of the two

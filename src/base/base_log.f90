@@ -187,7 +187,7 @@ contains
     end do
     nwarning = nwarning + 1
     call keep(message)
-    call log_line('warning, before the restart: '//message)
+    call log_line('warning from before the restart: '//message)
   end subroutine recall_warning
 
   function warning_count() result(n)

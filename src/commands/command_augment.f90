@@ -42,20 +42,22 @@ contains
       return
     end if
     if (size(run%model%contact) == 0) then
-      call fail(error, DECK_ERROR, 'AUGMent in a deck without CONTact', command%record%place(1), &
-                'AUGMent acts on the pressures of contacts: define a CONTact')
+      call fail(error, DECK_ERROR, 'AUGMent needs a CONTact, but the deck has none', &
+                command%record%place(1), 'define a CONTact, whose pressures AUGMent corrects, or ' &
+                //'remove AUGMent')
       return
     end if
     if (any(run%model%contact(:)%ncell > 1)) then
-      call fail(error, DECK_ERROR, 'AUGMent in a deck with REFIne', command%record%place(1), &
-                'use one of them: QUADrature n1 n2 with more points, or no AUGMent')
+      call fail(error, DECK_ERROR, 'AUGMent cannot be used together with REFIne', &
+                command%record%place(1), 'remove AUGMent, or replace REFIne by more integration ' &
+                //'points, QUADrature n1 n2')
       return
     end if
     if (run%program%dry) then
       if (.not. is_followed(run%program)) then
         call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent in its step', &
-                  command%record%place(1), 'put LOOP,augment,n around the Newton loop and ' &
-                  //'AUGMent, inside the loop with TIME')
+                  command%record%place(1), 'inside the loop with TIME, enclose both the Newton ' &
+                  //'loop and AUGMent in LOOP,augment,n')
       end if
       return
     end if
@@ -79,7 +81,7 @@ contains
         call leave_loop(run%program)
       else if (is_last_pass(run%program)) then
         call log_line('  last augmentation: pressures would still change by up to ' &
-                      //to_text(change)//' times the largest one')
+                      //to_text(change)//' times the largest pressure')
       else
         do c = 1, size(contact)
           do k = 1, 2
@@ -91,7 +93,7 @@ contains
         run%step%newton%before = run%step%newton%iterations
         run%step%newton%secant%count = 0 ! increments with secants are part of `before`
         call log_line('  augmented: pressures changed by up to '//to_text(change) &
-                      //' times the largest one')
+                      //' times the largest pressure')
       end if
     end associate
   end subroutine run_augment

@@ -49,7 +49,7 @@ contains
     call set_restart_point(run)
     call store_restart_point(run, error)
     if (allocated(error)) return
-    call log_line('checkpoint after step '//to_text(run%restart_point%state%step)//' in ' &
+    call log_line('checkpoint after step '//to_text(run%restart_point%state%step)//' written to ' &
                   //restart_path(run))
   end subroutine write_checkpoint
 
@@ -80,8 +80,8 @@ contains
     exchanged%writes = .false.
     call exchange_run(exchanged, run)
     if (.not. exchanged%whole) then
-      call fail(error, SYSTEM_ERROR, quoted(path)//' does not hold a complete checkpoint', &
-                hint='start again from the deck')
+      call fail(error, SYSTEM_ERROR, quoted(path)//' contains no complete checkpoint', &
+                hint='start the analysis again, without --restart')
       return
     end if
     run%files%kept = run%state%step
@@ -116,7 +116,7 @@ contains
     call close_files(run, error)
     if (allocated(error)) return
     call fail(error, STOPPED, 'stopped after step '//to_text(run%state%step) &
-              //'; the checkpoint holds step '//to_text(run%restart_point%state%step), &
+              //'; the checkpoint contains step '//to_text(run%restart_point%state%step), &
               hint='continue with --restart '//restart_path(run))
   end subroutine stop_run
 

@@ -19,10 +19,10 @@ contains
     call warn_late(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
-                     'TRANsient computes with inertia')
+                     'add TRANsient to compute with inertia, or remove MASS')
     else if (first(run, 'time') == 0) then
-      call warn_idle(run, 'tran', 'TRANsient without TIME: a single step at t = 0 has no inertia', &
-                     'put DT,,dt and a loop with TIME among the commands')
+      call warn_idle(run, 'tran', 'TRANsient has no effect without TIME: the single step at t = ' &
+                     //'0 has no inertia', 'add DT,,dt and a loop with TIME to the commands')
     end if
   end subroutine warn_commands
 
@@ -53,8 +53,8 @@ contains
 
     associate (command => run%program%command(i))
       call warn(trim(run%program%row(command%row)%word)//' comes too late: no '//needed &
-                //' follows it', command%record%place(1), 'put it before the commands for ' &
-                //'which it is meant')
+                //' follows it', command%record%place(1), &
+                'put it before the commands that it is to affect')
     end associate
   end subroutine warn_here
 

@@ -23,8 +23,8 @@ contains
   function load_rows() result(row)
     type(command_row_t) :: row(2)
 
-    row(1) = new_row('PROP', 'PROP,,k1[,k2], then a table after END for each', 3, run_prop, &
-                     read_tables)
+    row(1) = new_row('PROP', 'PROP,,k1[,k2], then one table for each number after END', 3, &
+                     run_prop, read_tables)
     row(2) = new_row('PARAmeter', 'PARAmeter, then name = value records after END', 0, run_para, &
                      read_assignments)
   end function load_rows
@@ -67,7 +67,7 @@ contains
       end if
       if (is_past_data(record)) then
         call fail(error, DECK_ERROR, 'the data of this PROP are missing', command%record%place(1), &
-                  'after the END of BATCh put a table, or a blank record for p = t')
+                  'give a table after the END of BATCh, or a blank record for p = t')
         return
       end if
       associate (table => data%table(i))
@@ -88,12 +88,12 @@ contains
                       '1 k tmin tmax a1 a2 a3 a4 a5')
           end if
         case (2)
-          call check_count(record, 1, 2, '2 n, then pairs t p, one per record, and a blank ' &
+          call check_count(record, 1, 2, '2 n, then records of n pairs t p each, and a blank ' &
                            //'record', error)
           if (.not. allocated(error)) call read_pairs(run, record, table, error)
         case default
-          call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of a load table", &
-                    record%place(1), 'types: 1 (formula), 2 (pairs)')
+          call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of load table", &
+                    record%place(1), 'known types: 1 (formula) and 2 (pairs)')
         end select
       end associate
       if (allocated(error)) return
@@ -142,15 +142,15 @@ contains
         call run%deck%put_back(record)
         exit
       end if
-      call check_count(record, 2, 2*max(n, 1), &
-                       'at most '//to_text(max(n, 1))//' pairs t p in each record here', error)
+      call check_count(record, 2, 2*max(n, 1), 'at most '//to_text(max(n, 1))//' pairs t p in ' &
+                       //'each record of this table', error)
       if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
       done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) then
       call fail(error, DECK_ERROR, 'the load table has no pairs', opening%place(1), &
-                'after `2 n` put pairs t p, one per record, and a blank record')
+                'after the record 2 n give records of n pairs t p each, and a blank record')
     end if
   end subroutine read_pairs
 
@@ -166,8 +166,8 @@ contains
 
     done = .false.
     if (mod(record%n, 2) /= 0) then
-      call fail(error, DECK_ERROR, 'the last time has no factor', record%place(record%n), &
-                'write pairs t p')
+      call fail(error, DECK_ERROR, 'the last time of this record has no factor', &
+                record%place(record%n), 'write pairs t p')
       return
     end if
     do i = 1, record%n, 2
@@ -178,13 +178,14 @@ contains
         done = .not. (abs(t) + abs(p) > 0.0_wp)
         if (done .and. size(table%t) == 1 .and. table%t(1) > 0.0_wp) then
           call fail(error, DECK_ERROR, 'the pair 0 0 comes after time '//to_text(table%t(1)), &
-                    record%place(i), 'the times of a table must increase; a pair 0 0 after ' &
-                    //'others ends the table (FEAP), and the factor of this one would be constant')
+                    record%place(i), 'list the pairs in the order of increasing time; a pair 0 0 ' &
+                    //'that is not the first one ends the table (FEAP), so that the factor of ' &
+                    //'this table would be constant')
         end if
         if (done) return
         if (t <= table%t(size(table%t))) then
-          call fail(error, DECK_ERROR, 'the times of a table must increase, found '//to_text(t) &
-                    //' after '//to_text(table%t(size(table%t))), record%place(i))
+          call fail(error, DECK_ERROR, 'the times of a load table must increase, found ' &
+                    //to_text(t)//' after '//to_text(table%t(size(table%t))), record%place(i))
           return
         end if
       end if
@@ -236,7 +237,7 @@ contains
       if (is_past_data(record) .and. size(data%name) == 0) then
         call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
                   command%record%place(1), &
-                  'after the END of BATCh put name = value records and a blank one')
+                  'give records name = value after the END of BATCh, and a blank record')
       end if
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit

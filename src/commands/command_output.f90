@@ -62,8 +62,8 @@ contains
       if (record%key(3) == 'ever') call get_integer(run%deck, record, 4, n, error)
       if (allocated(error)) return
       if (n < 1) then
-        call fail(error, DECK_ERROR, 'OUTPut needs the number of steps between fields', &
-                  record%place(1), 'write OUTPut,,every n, where n is at least 1')
+        call fail(error, DECK_ERROR, 'OUTPut needs to know after how many steps fields are ' &
+                  //'written', record%place(1), 'write OUTPut,,every n, where n is at least 1')
         return
       end if
       do i = 5, record%n
@@ -72,8 +72,8 @@ contains
                     'known fields: displacement stress mises pressure reaction contact')
         else if (record%key(i) == 'cont' .and. size(run%model%contact) == 0) then
           call fail(error, DECK_ERROR, 'field '//quoted(record%text(i)) &
-                    //' in a deck without contact', record%place(i), &
-                    'a block CONTact,name defines a contact')
+                    //' needs a CONTact, but the deck has none', record%place(i), &
+                    'define a CONTact, or remove this field')
         end if
         if (allocated(error)) return
       end do
@@ -83,9 +83,9 @@ contains
         associate (other => run%program%command(i)%record)
           if (other%key(1) /= 'outp') cycle
           if (all(wanted_fields(other) .eqv. wanted_fields(record))) cycle
-          call fail(error, DECK_ERROR, 'OUTPut names different fields from the OUTPut in line ' &
-                    //to_text(other%line), record%place(1), &
-                    'a result file has the same fields in all steps: name the same fields in both')
+          call fail(error, DECK_ERROR, 'OUTPut does not name the same fields as the OUTPut in ' &
+                    //'line '//to_text(other%line), record%place(1), 'name the same fields in ' &
+                    //'both, because a result file has the same fields in all steps')
         end associate
         return
       end do

@@ -58,12 +58,11 @@ contains
       else if (command%option /= 'loca') then
         if (x < 0.0_wp .or. given .and. .not. x > 0.0_wp) then
           call fail(error, DECK_ERROR, 'expected a positive density, found '//to_text(x), &
-                    record%place(3), 'omit the density to have it chosen from the work done')
+                    record%place(3), 'omit the density; it is then chosen from the work done')
         end if
       else if (.not. any(run%model%contact(:)%cohesive%given)) then
-        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, but the model ' &
-                  //'has no bonds', &
-                  record%place(2), 'give a CONTact with COHEsive, or use ' &
+        call fail(error, DECK_ERROR, 'LOCAl controls the release of bonds, but the model has no ' &
+                  //'bonds', record%place(2), 'define a CONTact with COHEsive, or use ' &
                   //'ARCLength,DYNAmic')
       else if (x < 0.0_wp .or. x >= 1.0_wp .or. given .and. .not. x > 0.0_wp) then
         call fail(error, DECK_ERROR, 'expected a fraction of the bonds between 0 and 1, found ' &
@@ -73,7 +72,7 @@ contains
     if (allocated(error)) return
     if (run%program%dry) then
       if (abs(command%x(1)) > 0.0_wp .and. .not. given) call log_line( &
-        "note: FEAP's number of an arc length method is not used")
+        "note: the number of FEAP's arc length method is ignored")
       return
     end if
     associate (path => run%step%continuation)
@@ -125,11 +124,11 @@ contains
     off = any(command%option == ['off ', 'stat'])
     if (.not. (beta > 0.0_wp .and. gamma >= 0.5_wp .and. alpha <= 0.0_wp &
                .and. alpha > -1.0_wp)) then
-      call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2, ' &
-                //'-1 < alpha <= 0', command%record%place(3), USAGE)
+      call fail(error, DECK_ERROR, 'the time integration needs beta > 0, gamma >= 1/2 and -1 < ' &
+                //'alpha <= 0', command%record%place(3), USAGE)
     else if (gamma < 0.5_wp - alpha - ROUNDING) then
-      call fail(error, DECK_ERROR, 'gamma is '//to_text(gamma)//', less than 1/2 - alpha, which ' &
-                //'is '//to_text(0.5_wp - alpha)//': motions would grow without bound', &
+      call fail(error, DECK_ERROR, 'gamma = '//to_text(gamma)//' is less than 1/2 - alpha = ' &
+                //to_text(0.5_wp - alpha)//': motions would grow without bound', &
                 command%record%place(4), 'leave beta and gamma empty: TRANsient,HHT,,,alpha')
     else if (.not. off .and. run%program%dry) then
       call check_masses(run, command, error)
@@ -180,14 +179,14 @@ contains
     if (2.0_wp*beta < gamma - ROUNDING) then
       call warn('2 beta = '//to_text(2.0_wp*beta)//' is less than gamma = '//to_text(gamma) &
                 //': motions grow without bound in long steps', command%record%place(3), &
-                'a scheme with 2 beta >= gamma is stable for every step, such as beta = ' &
-                //to_text(0.25_wp*(gamma + 0.5_wp)**2)//' with this gamma')
+                'give beta = '//to_text(0.25_wp*(gamma + 0.5_wp)**2)//', for instance: schemes ' &
+                //'with 2 beta >= gamma are stable for steps of any length')
     else if (alpha < -0.5_wp - ROUNDING) then
       call warn('alpha = '//to_text(alpha)//' is less than -1/2: motions grow without bound in ' &
                 //'long steps', command%record%place(5), 'use -1/3 <= alpha <= 0')
     else if (alpha < MOST_DISSIPATIVE - 1.0e-3_wp) then
-      call warn('alpha = '//to_text(alpha)//' dissipates high frequencies less than -1/3 does', &
-                command%record%place(5), 'use -1/3 <= alpha <= 0')
+      call warn('alpha = '//to_text(alpha)//' dissipates high frequencies less than alpha = -1/3 ' &
+                //'does', command%record%place(5), 'use -1/3 <= alpha <= 0')
     end if
   end subroutine warn_unstable
 
@@ -207,17 +206,17 @@ contains
     end do
     associate (material => run%model%material)
       if (.not. any(used .and. material%density > 0.0_wp)) then
-        call fail(error, DECK_ERROR, 'no material of a body has a density', &
-                  command%record%place(1), 'write DENSity,,rho in the MATErial')
+        call fail(error, DECK_ERROR, 'TRANsient needs masses, but no material of a body has a ' &
+                  //'density', command%record%place(1), 'write DENSity,,rho in the MATErial')
         return
       end if
       if (run%program%noted(command%row)) return
       run%program%noted(command%row) = .true.
       do m = 1, size(material)
         if (.not. used(m) .or. material(m)%density > 0.0_wp) cycle
-        call warn('TRANsient needs masses, but material '//to_text(material(m)%number) &
-                  //' has no mass', material(m)%place, 'write DENSity,,rho; without it bodies ' &
-                  //'of this material follow the others without inertia')
+        call warn('TRANsient needs masses, but material '//to_text(material(m)%number)//' has no ' &
+                  //'density', material(m)%place, 'write DENSity,,rho; without it, bodies of ' &
+                  //'this material follow the others without inertia')
       end do
     end associate
   end subroutine check_masses

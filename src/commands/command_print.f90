@@ -134,8 +134,9 @@ contains
     last = max(first, last)
     step = max(1, step)
     if (last > most) then
-      call fail(error, DECK_ERROR, 'the range ends at '//to_text(last)//', but the mesh ends at ' &
-                //to_text(most), command%record%place(4), trim(run%program%row(command%row)%usage))
+      call fail(error, DECK_ERROR, 'the range ends at number '//to_text(last)//', but the ' &
+                //'largest number in the mesh is '//to_text(most), command%record%place(4), &
+                trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range
 

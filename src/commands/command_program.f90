@@ -58,8 +58,8 @@ contains
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
         if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
-          error%hint = 'no remaining command reads this record; a blank record instead ' &
-                       //'of the table of a PROP means p = t'
+          error%hint = 'no remaining command reads this record; note that a blank record in ' &
+                       //'place of the table of a PROP means p = t'
         end if
         return
       end if
@@ -157,25 +157,26 @@ contains
         select case (next%key(1))
         case ('loop')
           if (depth == size(loop)) then
-            call fail(error, DECK_ERROR, 'LOOP is nested more than 64 deep', next%place(1))
+            call fail(error, DECK_ERROR, 'LOOP is nested more than 64 levels deep', next%place(1))
             return
           end if
           depth = depth + 1
           loop(depth) = i
         case ('next')
           if (depth == 0) then
-            call fail(error, DECK_ERROR, 'NEXT without LOOP', next%place(1), &
+            call fail(error, DECK_ERROR, 'NEXT has no LOOP', next%place(1), &
                       'remove it, or put LOOP,name,n before it')
             return
           end if
           associate (opening => program%command(loop(depth))%record)
             if (loop(depth) == i - 1) then
-              call fail(error, DECK_ERROR, 'empty loop', opening%place(1), &
+              call fail(error, DECK_ERROR, 'the loop is empty', opening%place(1), &
                         'put commands between LOOP and NEXT, or remove both')
             else if (next%n > 1 .and. opening%n > 1) then
               if (next%key(2) /= opening%key(2)) then
-                call fail(error, DECK_ERROR, "NEXT closes '"//opening%text(2)//"', not '" &
-                          //next%text(2)//"'", next%place(2), 'close inner loops first')
+                call fail(error, DECK_ERROR, "expected the NEXT of loop '"//opening%text(2) &
+                          //"', found '"//next%text(2)//"'", next%place(2), &
+                          'close inner loops first')
               end if
             end if
           end associate

@@ -44,7 +44,7 @@ contains
     do i = 1, run%program%counter - 1
       associate (record => run%program%command(i)%record)
         if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
-        call fail(error, DECK_ERROR, 'RESTart after '//quoted(record%text(1)), &
+        call fail(error, DECK_ERROR, 'RESTart comes after '//quoted(record%text(1)), &
                   command%record%place(1), 'put it before the first TIME or TANG')
       end associate
       return
@@ -104,7 +104,7 @@ contains
     if (stops) call warn('the checkpoint holds a motion with inertia, but this deck has no ' &
                          //'TRANsient: the run continues without inertia', &
                          command%record%place(1), 'put TRANsient among the commands to continue ' &
-                         //'the motion, or TRANsient,OFF if it is to end')
+                         //'the motion, or TRANsient,OFF to end it')
   end subroutine keep_integration
 
   !> Read the state in the file that the command names.
@@ -127,8 +127,9 @@ contains
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
     if (error%code == DECK_ERROR) then
-      error%hint = 'only loads, load tables, steps, tolerances and output may differ, and with ' &
-                   //'RESTart,file,CONStants also constants'
+      error%hint = 'the decks may differ only in loads, load tables, steps, tolerances and ' &
+                   //'output, and with RESTart,file,CONStants also in the constants of materials ' &
+                   //'and contacts'
     end if
   end subroutine read_state
 

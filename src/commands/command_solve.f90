@@ -42,13 +42,13 @@ contains
     if (allocated(error)) return
     if (all(abs(command%x(1) - [0.0_wp, 1.0_wp]) > 0.0_wp)) then
       call fail(error, DECK_ERROR, 'expected 1 or 0, found '//to_text(command%x(1)), &
-                command%record%place(3), '1 solves the system that '//command%record%text(1) &
-                //' forms; without it SOLV solves it')
+                command%record%place(3), command%record%text(1)//',,1 forms the system and ' &
+                //'solves it; '//command%record%text(1)//' alone leaves the solution to SOLV')
       return
     end if
     if (run%program%dry) then
       if (abs(command%x(2)) > 0.0_wp) then
-        call log_line("note: the line search ends at its own ratio, 0.8, not at FEAP's number")
+        call log_line("note: the line search ends at the fixed ratio 0.8; FEAP's number is ignored")
       end if
       return
     end if
@@ -85,8 +85,8 @@ contains
       if (run%program%command(i)%record%key(1) == 'time') i = 0
     end if
     if (i == 0) then
-      call fail(error, DECK_ERROR, 'SOLV before anything was formed', command%record%place(1), &
-                'put TANG or FORM before it, after TIME')
+      call fail(error, DECK_ERROR, 'SOLV has no system to solve', command%record%place(1), &
+                'put TANG or FORM between TIME and SOLV')
     else if (.not. run%program%dry) then
       call iterate(run, command, .false., run%step%newton%symmetric, .true., error)
     end if
@@ -160,8 +160,8 @@ contains
     associate (state => run%state, iterations => run%step%newton%iterations, pass => run%step%pass)
       if (allocated(pass%solve%storage)) call log_line('note: '//pass%solve%storage)
       if (pass%solve%gave_up_single) then
-        call log_line('note: factors in single precision do not suffice here; from now on they ' &
-                      //'are in double precision')
+        call log_line('note: factors in single precision are not accurate enough here; from now ' &
+                      //'on they are in double precision')
       end if
       write (line, '(a,i6,a,es12.5,a,i3,3(a,es10.3))') 'step', state%step, '  time', &
         state%time, '  iteration', iterations, '  residual', pass%residual, &
@@ -247,8 +247,8 @@ contains
     case ('lowr')
       mode = LOWRANK
     case default
-      call fail(error, DECK_ERROR, 'unknown linear solver', command%record%place(2), &
-                'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps')
+      call fail(error, DECK_ERROR, 'unknown way of solving linear systems', &
+                command%record%place(2), 'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps')
       return
     end select
     call check_fields(command, merge(1, 0, mode == LOWRANK), &

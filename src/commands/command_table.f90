@@ -37,7 +37,7 @@ contains
     if (run%program%dry) return
     if (run%program%noted(command%row)) return
     run%program%noted(command%row) = .true.
-    call log_line("note: '"//command%record%text(1)//"' is accepted and does nothing here")
+    call log_line("note: '"//command%record%text(1)//"' is accepted, but has no effect here")
   end subroutine run_note
 
 end module command_table

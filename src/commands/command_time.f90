@@ -46,7 +46,7 @@ contains
     logical :: rewound
 
     if (run%step%control%dt <= 0) then
-      call fail(error, DECK_ERROR, 'TIME without a time step', command%record%place(1), &
+      call fail(error, DECK_ERROR, 'TIME has no time step', command%record%place(1), &
                 'put DT,,dt before it')
       return
     end if
@@ -71,10 +71,10 @@ contains
       end do
       if (program%noted(program%command(i)%row)) return
       program%noted(program%command(i)%row) = .true.
-      call warn('AUTO has dtmax = '//to_text(control%dtmax)//', but steps are as long as DT, ' &
-                //to_text(control%dt), program%command(i)%record%place(4), 'steps grow beyond DT ' &
-                //'up to a larger dtmax, but a smaller one does not shorten them: give a smaller ' &
-                //'DT and more passes of the loop')
+      call warn('AUTO has dtmax = '//to_text(control%dtmax)//', which does not shorten steps of ' &
+                //'DT = '//to_text(control%dt), program%command(i)%record%place(4), 'dtmax only ' &
+                //'limits how far steps grow beyond DT; for shorter steps give a smaller DT and ' &
+                //'more passes of the loop')
     end associate
   end subroutine warn_large_dt
 

@@ -12,7 +12,8 @@ module command_tplot
   private
   public :: tplot_rows
 
-  character(*), parameter :: USAGE = 'DISP | REAC, node, direction [, x y z for the node there]'
+  character(*), parameter :: USAGE = 'DISP | REAC, node, direction, or for the node at x y z: ' &
+                             //'DISP | REAC, 0, direction, x y z'
 
 contains
 
@@ -89,8 +90,8 @@ contains
     case ('reac')
       quantity%id = Q_NODAL
     case default
-      call fail(error, DECK_ERROR, "unknown history '"//record%text(1)//"'", record%place(1), &
-                USAGE//'; for stresses use CURVe with STREss')
+      call fail(error, DECK_ERROR, "unknown quantity '"//record%text(1)//"' of TPLOt", &
+                record%place(1), USAGE//'; for stresses use CURVe with STREss')
       return
     end select
     call get_integer(run%deck, record, 2, node, error, 0)

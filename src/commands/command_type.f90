@@ -185,7 +185,7 @@ contains
     if (allocated(error)) return
     if (present(option)) then
       if (.not. (option .or. command%record%is_empty(2))) then
-        call fail(error, DECK_ERROR, quoted(command%record%text(2))//' is not read', &
+        call fail(error, DECK_ERROR, 'unexpected '//quoted(command%record%text(2)), &
                   command%record%place(2), 'write '//usage)
         return
       end if

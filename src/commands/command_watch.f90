@@ -58,8 +58,9 @@ contains
           angle = abs(motion%angle*(factor - start))/DEGREE
           if (angle < HALF_TURN*(1.0_wp - 1.0e-9_wp)) cycle
           call warn('MOVE turns by '//to_text(angle, 5)//' degrees in step '//to_text(state%step), &
-                    motion%place, 'only the position at the end of a step counts: turn by less ' &
-                    //'than 180 degrees in a step, preferably by about 10')
+                    motion%place, 'only the positions at the ends of steps matter, not the way ' &
+                    //'between them: turn by less than 180 degrees in each step, preferably by ' &
+                    //'about 10')
           run%plan%turn_warned = .true.
         end associate
       end do
@@ -87,9 +88,9 @@ contains
           end associate
         end do
         if (largest <= SMALL) cycle
-        call warn('displacement gradients of '//to_text(100*largest, 3)//' % in step ' &
-                  //to_text(run%state%step)//' with SMALl strains (material ' &
-                  //to_text(run%model%material(block%material)%number)//')', &
+        call warn('displacement gradients reach '//to_text(100*largest, 3)//' % in step ' &
+                  //to_text(run%state%step)//', but material ' &
+                  //to_text(run%model%material(block%material)%number)//' has SMALl strains', &
                   run%model%material(block%material)%place, 'SMALl is valid for strains and ' &
                   //'rotations of a few per cent; beyond that, use NEOHook with FINIte')
         run%plan%strain_warned = .true.
@@ -111,10 +112,10 @@ contains
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))
         if (.not. contact%friction%given .or. run%plan%rubbed(c)) cycle
-        call warn('contact '//quoted(contact%name)//': friction never acts, as the last step ' &
-                  //'starts at time '//to_text(run%state%time - run%state%dt)//', before AFTEr ' &
-                  //to_text(contact%after), contact%place, 'friction acts in steps that start ' &
-                  //'at or after that time')
+        call warn('contact '//quoted(contact%name)//': friction never acts, because the last ' &
+                  //'step starts at time '//to_text(run%state%time - run%state%dt)//', before ' &
+                  //'AFTEr '//to_text(contact%after), contact%place, &
+                  'friction acts in steps that start at the time of AFTEr or later')
       end associate
     end do
   end subroutine watch_end

@@ -49,7 +49,7 @@ contains
 
       if (allocated(error) .or. table == 0 .or. any(defined == table)) return
       call fail(error, DECK_ERROR, 'load table '//to_text(table)//' is not defined', place, &
-                'put PROP,,'//to_text(table)//' among the commands and its data after END')
+                'add PROP,,'//to_text(table)//' to the commands and its data after END')
     end subroutine check
 
   end subroutine check_tables
@@ -76,10 +76,11 @@ contains
           text = ' nodes that TIE joins at node '//to_text(n)//' follow '//named(k)//' and ' &
                  //named(rival)//' in direction '//to_text(d)
           if (bc%split(d, n)) then
-            call fail(error, DECK_ERROR, 'the loads of'//text, bc%tied, HINT)
+            call fail(error, DECK_ERROR, 'the loads of'//text//', but the joined node can follow ' &
+                      //'only one', bc%tied, HINT)
             return
           else if (.not. warned) then
-            call warn('by FPROportional,'//text//': loads there follow '//named(k), &
+            call warn('according to FPROportional,'//text//'; the joined node follows '//named(k), &
                       bc%tied, HINT)
           end if
           warned = .true.
@@ -125,8 +126,8 @@ contains
       do i = 1, size(bc%dead)
         if (bc%dead(i)%table > 0) cycle
         if (any_body_force(model)) then
-          call say('BODY FORCe', bc%dead(i)%place, 'it has no load table of its own: let the ' &
-                   //'tables add up to its factor')
+          call say('BODY FORCe', bc%dead(i)%place, 'BODY FORCe cannot have a load table of its ' &
+                   //'own: give tables whose sum is its factor')
         else
           call say('PRESsure', bc%dead(i)%place, OWN//'PROP k')
         end if

@@ -93,8 +93,8 @@ contains
         do u = 1, size(uses)
           if (uses(u)%table == 0 .or. .not. uses(u)%acts) cycle
           call warn('load table '//to_text(uses(u)%table)//' is not defined: the deck has no ' &
-                    //'PROP, so its factor is 1', uses(u)%place, 'put PROP,,' &
-                    //to_text(uses(u)%table)//' among the commands and its data after END')
+                    //'PROP, so its factor is 1', uses(u)%place, 'add PROP,,' &
+                    //to_text(uses(u)%table)//' to the commands and its data after END')
           return
         end do
         return
@@ -139,7 +139,7 @@ contains
     if (all(uses%table /= k .and. uses%table /= 0)) return
     call warn('PROP redefines load table '//to_text(k)//' at time '//to_text(run%state%time) &
               //': its factor changes from '//to_text(before)//' to '//to_text(after), place, &
-              'let the new table begin with the present factor, or use one table for all steps')
+              'let the new table begin with the current factor, or use one table for all steps')
   end subroutine warn_jump
 
   !> After a step, warn about tables that ended before the step and about corners inside the step,
@@ -171,11 +171,11 @@ contains
             if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
             plan%ended(k) = has_ended(state%table(k), state%time)
             if (plan%ended(k)) call warn('load table '//to_text(k)//' ends at time ' &
-                                         //to_text(state%table(k)%tmax)//': its factor is 0 in ' &
-                                         //'step '//to_text(state%step)//', time ' &
-                                         //to_text(state%time), uses(u)%place, &
-                                         'a table of type 1 is 0 outside tmin and tmax: let tmax ' &
-                                         //'be the end of the run, or use type 2')
+                                         //to_text(state%table(k)%tmax)//', so its factor is 0 ' &
+                                         //'in step '//to_text(state%step)//', which ends at ' &
+                                         //'time '//to_text(state%time), uses(u)%place, 'a table ' &
+                                         //'of type 1 is 0 before tmin and after tmax: set tmax ' &
+                                         //'to the end of the run, or use type 2')
           end do
         end associate
       end do
@@ -228,13 +228,14 @@ contains
         text = 'load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
                //to_text(table%t(i))//', '
         if (table%t(i) < state%time - state%dt + gap) then
-          text = text//'which a TIME without a solve passes'
+          text = text//'which a TIME without a solve skips'
           hint = 'solve after each TIME'
         else
-          text = text//'inside step '//to_text(state%step)//', which ends at '//to_text(state%time)
+          text = text//'inside step '//to_text(state%step)//', which ends at time ' &
+                 //to_text(state%time)
           hint = 'choose DT such that a step ends there, or use AUTO, whose steps end at corners'
         end if
-        call warn(text//': this load is never applied', run%program%command( &
+        call warn(text//'; this value is never applied', run%program%command( &
                   run%program%prop_at(k))%record%place(1), hint)
         return
       end do
@@ -256,8 +257,8 @@ contains
       name = 'load table '//to_text(uses(u)%table)//' is'
       if (uses(u)%table == 0) name = 'all load tables are'
       call warn(name//' 0 at the end of every step, so '//uses(u)%what//' never acts', &
-                uses(u)%place, 'the steps must reach times at which the table is not 0: see DT, ' &
-                //'TIME and the data of PROP')
+                uses(u)%place, 'let steps end at times at which the table is not 0: see DT, TIME ' &
+                //'and the data of PROP')
     end do
   end subroutine watch_tables_end
 

@@ -86,10 +86,10 @@ contains
         end if
         if (now%deepest > NOTHING) then
           text = text//'; corners of elements penetrate by up to '//to_text(100*now%deepest, 3) &
-                 //' % of an element'
+                 //' % of the size of an element'
         end if
         if (now%deepest > VISIBLE) then
-          call warn(text, contact%place, 'contact acts at integration points only: use smaller ' &
+          call warn(text, contact%place, 'contact acts only at integration points: use smaller ' &
                     //'elements or more points')
         else
           call note(text)

@@ -253,8 +253,8 @@ contains
       if (d > 0.0_wp) text = text//', smoothed up to a penetration of '//to_text(d)
     end associate
     if (contact%on_pair) text = text//', between partners while they are bonded'
-    if (contact%taper > 0.0_wp) text = text//', edge taper over '//to_text(contact%taper) &
-                                       //' of an element'
+    if (contact%taper > 0.0_wp) text = text//', tapered towards edges over ' &
+                                       //to_text(contact%taper)//' of the width of an element'
     if (contact%scheme == BALANCED) text = text//', balanced'
     if (contact%scheme == MORTAR) text = text//', mortar'
   end function option_text

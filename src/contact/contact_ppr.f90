@@ -61,8 +61,8 @@ contains
         hint = 'alpha and beta must be greater than 1; with 2 the softening is nearly linear'
       else if (.not. a*lam**2 < 1.0_wp) then
         wrong = 6 + i
-        hint = 'lambda_n must be below 1/sqrt(alpha), lambda_t below 1/sqrt(beta); 0.01 to 0.2 ' &
-               //'are usual'
+        hint = 'lam_n must be less than 1/sqrt(alpha), and lam_t less than 1/sqrt(beta); 0.01 to ' &
+               //'0.2 are usual values'
       end if
       if (wrong > 0) return
       m = a*(a - 1.0_wp)*lam**2/(1.0_wp - a*lam**2)

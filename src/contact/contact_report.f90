@@ -50,10 +50,10 @@ contains
         end do
         if (sum(n) > 0 .and. .not. state%contact(c)%depth_warned) then
           state%contact(c)%depth_warned = .true.
-          call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points that were ' &
-                    //'in contact are deeper than '//to_text(contact%depth)//' (DEPTh) and no ' &
-                    //'longer count as contact: the bodies pass through each other', &
-                    contact%place, 'use a stiffer penalty or a larger DEPTh')
+          call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points that were in ' &
+                    //'contact are now deeper than DEPTh '//to_text(contact%depth)//', where ' &
+                    //'contact no longer acts: the bodies pass through each other', contact%place, &
+                    'use a stiffer penalty or a larger DEPTh')
         end if
         call report_break(contact, model%mesh%xr, state, state%contact(c))
         n = [(count(side(k)%state /= OPEN), k=1, 2)]
@@ -63,7 +63,7 @@ contains
           if (.not. contact%self) text = text//' + '//to_text(n(2))
           call log_line('contact '//contact%name//': closed, '//text//' points in contact')
         else
-          call log_line('contact '//contact%name//': opened, no point is in contact')
+          call log_line('contact '//contact%name//': opened, no points in contact')
         end if
       end associate
     end do
@@ -126,22 +126,23 @@ contains
         if (now%balance > UNBALANCED .and. .not. now%balance_warned) then
           now%balance_warned = .true.
           call warn("contact '"//contact%name//"': the forces on its two sides differ by " &
-                    //to_text(100*now%balance, 3)//' %', contact%place, 'the forces of ' &
-                    //'HALFpass differ on coarse or unequal meshes: remove SCHEme HALFpass')
+                    //to_text(100*now%balance, 3)//' %', contact%place, &
+                    'with HALFpass, they differ on coarse or unequal meshes: remove this scheme')
         end if
         if (contact%friction%given .and. .not. now%friction_warned) then
           if (is_soft(contact, now, state%u)) then
             now%friction_warned = .true.
-            call warn("contact '"//contact%name//"': the elastic slip is as large as the motion: " &
-                      //'friction hardly acts', contact%place, 'use a stiffer penalty: FRICtion ' &
-                      //'COULomb mu PENAlty AUTO')
+            call warn("contact '"//contact%name//"': the elastic slip is as large as the motion, " &
+                      //'so friction hardly acts', contact%place, 'use a stiffer penalty: ' &
+                      //'FRICtion COULomb mu PENAlty AUTO')
           end if
         end if
         if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
           now%penetration_warned = .true.
           call warn("contact '"//contact%name//"': surfaces penetrate by " &
-                    //to_text(100*deepest, 3)//' % of an element or of the thickness', &
-                    contact%place, 'use a stiffer penalty, NORMal PENAlty AUTO 10, or a finer mesh')
+                    //to_text(100*deepest, 3)//' % of the width of an element or of the ' &
+                    //'thickness of a body', contact%place, &
+                    'use a stiffer penalty, NORMal PENAlty AUTO 10, or a finer mesh')
         end if
       end associate
     end do
@@ -177,14 +178,14 @@ contains
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
     if (state%energy%penetration_share > WITHOUT_WORK) then
-      call warn('penetration holds more energy than supports and loads have put in', &
+      call warn('the energy stored in penetration exceeds the work of supports and loads', &
                 model%contact(1)%place, 'surfaces overlapped before a force acted on them: take ' &
                 //'smaller steps until they meet, or move the bodies apart at the start')
       return
     end if
     stiffer = 'NORMal PENAlty AUTO'
     if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
-    call warn('penetration takes '//to_text(100*state%energy%penetration_share, 3) &
+    call warn('penetration absorbs '//to_text(100*state%energy%penetration_share, 3) &
               //' % of the work of supports and loads: the penalty is too soft', &
               model%contact(1)%place, 'use a stiffer penalty, such as '//stiffer &
               //', or a finer mesh')
@@ -291,7 +292,7 @@ contains
           if (side == 0) cycle
           trouble = contact%side(side)%name//' has passed through '//contact%side(3 - side)%name
         end if
-        trouble = 'in contact '//contact%name//' a point of '//trouble//' to a depth of ' &
+        trouble = 'in contact '//contact%name//', a point of '//trouble//' to a depth of ' &
                   //to_text(-gap, 3)
         if (-gap > contact%depth) trouble = trouble//', more than DEPTh ' &
                                             //to_text(contact%depth, 3)

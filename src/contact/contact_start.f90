@@ -76,9 +76,9 @@ contains
           call log_line('contact '//contact%name//': bonded '//to_text(n(1))//' of ' &
                         //to_text(size(state%side(1)%bond))//' points of side 1, '//to_text(n(2)) &
                         //' of '//to_text(size(state%side(2)%bond))//' of side 2')
-          if (sum(n) == 0) call warn(name//'no point is bonded', contact%place, 'the surfaces ' &
-                                     //'are apart, or BONDed excludes all points; GAP d bonds ' &
-                                     //'points up to a distance d')
+          if (sum(n) == 0) call warn(name//'no point is bonded', contact%place, 'if the surfaces ' &
+                                     //'are apart, bond points up to a distance d with BONDed ' &
+                                     //'GAP d; otherwise enlarge the region of BONDed')
           call warn_unequal_bonds(contact, state)
           call warn_opened(contact, model%mesh, state)
         end if
@@ -91,10 +91,11 @@ contains
         end if
         if (start%nthrough > 0) then
           call warn(name//to_text(start%nthrough)//' of '//to_text(start%npoint)//' points, such ' &
-                    //'as '//position_text(start%x_through)//', lie less than DEPTh '//to_text( &
-                    contact%depth, 3)//' behind the face opposite them: it counts as the far ' &
-                    //'side of the body and does not touch them', contact%place, 'give a DEPTh ' &
-                    //'less than the thickness there; if the faces overlap, move them apart')
+                    //'as '//position_text(start%x_through)//', lie less than DEPTh ' &
+                    //to_text(contact%depth, 3)//' behind the opposite face, which is taken for ' &
+                    //'the far side of the body: no contact acts there', contact%place, &
+                    'give a DEPTh less than the thickness there; if the faces overlap, move them ' &
+                    //'apart')
         else if (2*sum(start%naway) > start%nnear) then
           k = merge(1, 2, start%naway(1) >= start%naway(2))
           call warn(name//contact%side(k)%name//' faces away from '//contact%side(3 - k)%name &
@@ -112,14 +113,15 @@ contains
         else if (start%unseen .and. contact%scheme /= MORTAR) then
           k = merge(1, 2, contact%side(2)%rigid)
           call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
-                    //contact%side(k)%name//' at the start: contact does not act there', &
+                    //contact%side(k)%name//' at the start, so contact does not act there', &
                     contact%place, 'remove SCHEme to use the default scheme, or use ' &
                     //'smaller elements or more points, QUADrature 10 10')
         else if (start%ninside > 0) then
-          call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint) &
-                    //' points penetrate at the start, by up to '//to_text(start%deepest, 3) &
-                    //' at '//position_text(start%x), contact%place, 'the first step pushes them ' &
-                    //'out; if no press fit is intended, move one of the bodies')
+          call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
+                    //'penetrate the other side at the start, by up to ' &
+                    //to_text(start%deepest, 3)//' at '//position_text(start%x), contact%place, &
+                    'the first step pushes them out; if no press fit is intended, move one of ' &
+                    //'the bodies')
         else if (start%gap < huge(start%gap)) then
           call log_line('contact '//contact%name//': smallest gap at the start ' &
                         //to_text(start%gap, 3)//' at '//position_text(start%x_gap))
@@ -147,10 +149,10 @@ contains
     if (any(contact%side%rigid)) return
     area = [(sum(state%side(k)%area0, mask=state%side(k)%bond > 0), k=1, 2)]
     if (.not. maxval(area) - minval(area) > UNEQUAL*maxval(area)) return
-    call warn("contact '"//contact%name//"': the bonded areas of its two sides differ, " &
-              //to_text(area(1), 3)//' and '//to_text(area(2), 3), contact%place, &
-              'use more points, QUADrature 10 10, or elements whose borders follow the edge of ' &
-              //'the bonded area')
+    call warn("contact '"//contact%name//"': the bonded areas of its two sides differ (" &
+              //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use more ' &
+              //'points, QUADrature 10 10, or elements whose borders follow the edge of the ' &
+              //'bonded area')
   end subroutine warn_unequal_bonds
 
   !> Warn about bonds that soften from the start, because the initial gap between two surfaces
@@ -166,9 +168,9 @@ contains
     if (n == 0) return
     call warn("contact '"//contact%name//"': at "//to_text(n)//' bonded points the gap at the ' &
               //'start, up to '//to_text(widest, 3)//', exceeds the opening at which bonds begin ' &
-              //'to soften, '//to_text(strongest, 3), contact%place, 'a gap is an opening: bring ' &
-              //'the surfaces together, bond fewer points with a smaller GAP, or give a larger ' &
-              //'opening in COHEsive')
+              //'to soften, '//to_text(strongest, 3), contact%place, 'a gap opens the bond from ' &
+              //'the start: bring the surfaces together, bond fewer points with a smaller GAP, ' &
+              //'or give a larger opening in COHEsive')
   end subroutine warn_opened
 
   !> Hint: what to do if the faces of a contact point the wrong way.
@@ -182,8 +184,8 @@ contains
     do k = 1, 2
       associate (side => contact%side(k))
         if (mesh%block(side%block(1))%row%name /= 'SURFACE') cycle ! not a rigid spline
-        hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' reverses its normal' &
-               //'; otherwise '//hint
+        hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' reverses its ' &
+               //'normal; if it is right, '//hint
         return
       end associate
     end do
@@ -203,10 +205,10 @@ contains
         if (all(shared(own%node(own%first(e):own%first(e + 1) - 1)))) n = n + 1
       end do
       if (n == 0) return
-      call warn("contact '"//contact%name//"': the two sides have all nodes of "//to_text(n) &
-                //' of the '//to_text(own%nelem)//' elements of '//own%name//' in common, and ' &
-                //'cannot part or slide there', contact%place, 'TIE joins nodes of bodies that ' &
-                //'touch: use TIE,NODE or TIE,MATErial, or no TIE')
+      call warn("contact '"//contact%name//"': the two sides share all nodes of "//to_text(n) &
+                //' of the '//to_text(own%nelem)//' elements of '//own%name//', and cannot ' &
+                //'separate or slide there', contact%place, &
+                'TIE joins nodes of bodies that touch: use TIE,NODE or TIE,MATErial, or no TIE')
     end associate
   end subroutine warn_tied
 

@@ -175,7 +175,7 @@ contains
       if (.not. abs(value) > 0.0_wp .and. exponent < 0.0_wp) then
         call reject(p, 'division by zero: 0 to a negative power', operator, 1)
       else if (value < 0.0_wp .and. .not. whole) then
-        call reject(p, 'fractional power of a negative number', operator, 1)
+        call reject(p, 'a negative number has no fractional power', operator, 1)
       else if (whole .and. abs(exponent) <= 64.0_wp) then ! a product
         value = value**nint(exponent)
       else if (value < 0.0_wp) then
@@ -283,7 +283,8 @@ contains
     narg = 0
     do while (.not. allocated(p%trouble))
       p%at = p%at + 1
-      if (narg == MOST_ARGUMENTS) call reject(p, 'more than 32 arguments', first, len(name))
+      if (narg == MOST_ARGUMENTS) call reject(p, 'a function has more than 32 arguments', first, &
+                                              len(name))
       if (allocated(p%trouble)) return
       narg = narg + 1
       call parse_sum(p, params, x(narg))
@@ -347,7 +348,7 @@ contains
 
     p%depth = p%depth + 1
     if (p%depth > DEEPEST) then
-      call reject(p, 'parentheses and powers are nested more than 100 deep', at, 1, &
+      call reject(p, 'parentheses and powers are nested more than 100 levels deep', at, 1, &
                   'split the expression with PARAmeters')
     end if
   end subroutine descend

@@ -48,7 +48,7 @@ module deck_feap
     advice_t('mass', &
       'there are no point masses; DENSity of MATErial gives the mass, and MASS is ' &
         //'a command between BATCh and END'), &
-    advice_t('moda', 'there are no modes; a body is either elastic or a PATCh of TYPE RIGId'), &
+    advice_t('moda', 'a body is either elastic or a PATCh of TYPE RIGId; modes are not computed'), &
     advice_t('nblo nsid', 'NPATch takes the control points of a whole solid'), &
     advice_t('nopa pars', 'expressions are always evaluated; remove this word'), &
     advice_t('orde', 'METIS orders the equations; remove this word'), &
@@ -72,8 +72,8 @@ module deck_feap
       'COORdinates take expressions, such as r*cosd(30); HEMIsphere of PATCh is ' &
         //'half of a hollow sphere'), &
     advice_t('spin', &
-      'there are no centrifugal forces: BODY FORCe of MATErial is constant; MOVE ' &
-        //'with ROTAte turns a body'), &
+      'there are no centrifugal forces, as BODY FORCe of MATErial is constant; ' &
+        //'MOVE with ROTAte turns a body'), &
     advice_t('swee', 'MOVE with ROTAte prescribes a rotation'), &
     advice_t('titl', 'the title follows the word FEAP in the first record; remove this word') ]
   !&>
@@ -94,11 +94,11 @@ module deck_feap
     advice_t('damp', &
       'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
     advice_t('data', &
-      'write the values of DT and TOL in these commands; INCLude reads another file'), &
+      'give the values in the DT and TOL commands themselves; INCLude reads another file'), &
     advice_t('debu echo show', 'the log lists what was read and done; remove this word'), &
     advice_t('dire iter meth', 'FACTor chooses how linear systems are solved'), &
     advice_t('eige eigv subs', &
-      'there are no eigenvalues; the report counts the negative pivots of the tangent'), &
+      'eigenvalues are not computed; the report counts the negative pivots of the tangent'), &
     advice_t('else endi if  ', &
       'there are no conditions; a LOOP around TANG ends when the iteration has converged'), &
     advice_t('erro', 'errors are not estimated; compare two meshes'), &
@@ -106,20 +106,20 @@ module deck_feap
       'time integration is implicit: TRANsient,BACK, TRANsient,NEWMark or TRANsient,HHT'), &
     advice_t('geom', 'TANG includes the geometric stiffness of FINIte strains; remove this word'), &
     advice_t('hist manu', 'there is no interactive input; remove this word'), &
-    advice_t('iden', 'there are no eigenvalues; remove this word'), &
+    advice_t('iden', 'eigenvalues are not computed; remove this word'), &
     advice_t('init', 'bodies start at rest, with zero displacements'), &
     advice_t('jint', &
-      'there are no J integrals; COHEsive of CONTact gives bonds a fracture energy'), &
-    advice_t('line', 'the law of the material decides: ELAStic ISOTropic is linear'), &
+      'J integrals are not computed; COHEsive of CONTact gives bonds a fracture energy'), &
+    advice_t('line', 'the material law decides whether a body is linear: ELAStic ISOTropic is'), &
     advice_t('list', 'CURVe defines a table of quantities'), &
     advice_t('mesh', &
       'the mesh cannot change during the solution; PROP, MOVE and DISPlacement ' &
         //'change loads and motions'), &
-    advice_t('moda', 'there are no modes; TRANsient integrates in time'), &
+    advice_t('moda', 'modes are not computed; TRANsient integrates in time'), &
     advice_t('newf', &
-      'give a separate load table to loads that must remain: PROP, FPROportional ' &
-        //'and EPROportional'), &
-    advice_t('nonl', 'the law of the material decides: ELAStic NEOHook is nonlinear'), &
+      'give loads that must remain a load table of their own with PROP, ' &
+        //'FPROportional and EPROportional'), &
+    advice_t('nonl', 'the material law decides whether a body is nonlinear: ELAStic NEOHook is'), &
     advice_t('ntan', 'TANG and UTAN form the tangent of all elements'), &
     advice_t('outm', 'the result file contains the mesh, and the log lists what was read'), &
     advice_t('paus', 'a run never waits for input; remove this word'), &
@@ -187,7 +187,7 @@ contains
     do i = 1, size(table)
       do at = 1, len_trim(table(i)%words), 5
         if (table(i)%words(at:at + 3) /= key_of(word)) cycle
-        hint = 'not available here: '//trim(table(i)%hint)
+        hint = 'not available here; '//trim(table(i)%hint)
         return
       end do
     end do

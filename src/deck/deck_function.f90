@@ -87,11 +87,11 @@ contains
 
     select case (trim(NAMES(f)))
     case ('sqrt')
-      if (x(1) < 0.0_wp) trouble = 'sqrt of a negative number: '//to_text(x(1))
+      if (x(1) < 0.0_wp) trouble = 'sqrt needs a number of 0 or more, found '//to_text(x(1))
     case ('log')
-      if (.not. x(1) > 0.0_wp) trouble = 'log of a number that is not positive: '//to_text(x(1))
+      if (.not. x(1) > 0.0_wp) trouble = 'log needs a positive number, found '//to_text(x(1))
     case ('asin', 'acos', 'asind', 'acosd')
-      if (abs(x(1)) > 1.0_wp) trouble = trim(NAMES(f))//' of a number outside -1 to 1: ' &
+      if (abs(x(1)) > 1.0_wp) trouble = trim(NAMES(f))//' needs a number from -1 to 1, found ' &
                                         //to_text(x(1))
     case ('tand')
       if (.not. abs(cosine_of_degrees(x(1))) > 0.0_wp) trouble = 'tand has no value at ' &

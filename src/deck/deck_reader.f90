@@ -197,8 +197,8 @@ contains
       return
     end do
     if (reader%nframe == MOST_FILES) then
-      call fail(error, DECK_ERROR, 'INCLude is nested more than '//to_text(MOST_FILES)//' deep', &
-                record%place(2))
+      call fail(error, DECK_ERROR, 'INCLude is nested more than '//to_text(MOST_FILES)//' levels ' &
+                //'deep', record%place(2))
       return
     end if
     i = find_source(reader%files, file)
@@ -208,8 +208,9 @@ contains
     reader%nincluded = reader%nincluded + 1
     if (reader%nincluded > MOST_INCLUDED .or. reader%repeated > MOST_REPEATED) then
       call fail(error, DECK_ERROR, 'more than '//to_text(MOST_INCLUDED)//' files or ' &
-                //to_text(MOST_REPEATED)//' lines are included', record%place(2), &
-                'repeated INCLude records in included files multiply the number of files')
+                //to_text(MOST_REPEATED)//' lines are included', record%place(2), 'look for ' &
+                //'INCLude records in included files and in loops: each repetition reads the ' &
+                //'file again')
       call stop_reading(reader)
       return
     end if
@@ -228,8 +229,8 @@ contains
     real(wp) :: n
 
     if (reader%nloop == MOST_LOOPS) then
-      call fail(error, DECK_ERROR, 'LOOP is nested more than '//to_text(MOST_LOOPS)//' deep', &
-                record%place(1))
+      call fail(error, DECK_ERROR, 'LOOP is nested more than '//to_text(MOST_LOOPS)//' levels ' &
+                //'deep', record%place(1))
       return
     end if
     loop%frame = reader%nframe
@@ -266,14 +267,14 @@ contains
     paired = reader%nloop > 0
     if (paired) paired = reader%loop(reader%nloop)%frame == reader%nframe
     if (.not. paired) then
-      call fail(error, DECK_ERROR, 'NEXT without LOOP', record%place(1), &
+      call fail(error, DECK_ERROR, 'NEXT has no LOOP', record%place(1), &
                 'remove it, or put LOOP,n before it in the same file')
       return
     end if
     call check_count(record, 1, 2, 'NEXT', error)
     associate (loop => reader%loop(reader%nloop))
       if (loop%nrecord <= 1 .and. .not. allocated(error)) then
-        call fail(error, DECK_ERROR, 'empty loop', loop%place, &
+        call fail(error, DECK_ERROR, 'the loop is empty', loop%place, &
                   'put records between LOOP and NEXT, or remove both')
       end if
       if (loop%left > 0 .and. .not. allocated(error)) then

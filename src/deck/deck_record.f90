@@ -149,7 +149,7 @@ contains
     if (nmax == huge(nmax)) then
       expected = 'at least '//expected
     else if (nmax > nmin) then
-      expected = expected//' to '//to_text(nmax)
+      expected = expected//merge(' or ', ' to ', nmax == nmin + 1)//to_text(nmax)
     end if
     expected = expected//' field'
     if (nmax > 1) expected = expected//'s'
@@ -172,7 +172,7 @@ contains
     if (present(last)) n = min(last, n)
     do i = first, n
       if (.not. begins_number(record%text(i))) cycle
-      call fail(error, DECK_ERROR, quoted(record%text(i))//' is not read', record%place(i), usage)
+      call fail(error, DECK_ERROR, 'unexpected '//quoted(record%text(i)), record%place(i), usage)
       call hint_at_comma(record, error)
       return
     end do
@@ -191,8 +191,8 @@ contains
     if (i == 0) return
     whole = record%text(i)
     part = record%text(i + 1)
-    error%hint = quoted(whole//','//part)//' is two numbers: if it is meant as one, write '//whole &
-                 //'.'//part//'; '//error%hint
+    error%hint = quoted(whole//','//part)//' is read as two numbers: if one number is meant, ' &
+                 //'write '//whole//'.'//part//'; usage: '//error%hint
   end subroutine hint_at_comma
 
   !> Field that contains the integer part of the first number that seems to be written with a

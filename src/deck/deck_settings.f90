@@ -93,8 +93,8 @@ contains
       else
         hint = 'the deck has no parameters'
       end if
-      call fail(error, DECK_ERROR, '--set '//quoted(list(i)%name) &
-                //': the deck has no such parameter', hint=hint)
+      call fail(error, DECK_ERROR, 'the deck has no parameter '//quoted(list(i)%name)//', which ' &
+                //'--set gives', hint=hint)
       return
     end do
   end subroutine check_used

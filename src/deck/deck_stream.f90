@@ -326,7 +326,7 @@ contains
           if (allocated(error)) return
           call fail(error, DECK_ERROR, 'expected name = expression, found the word ' &
                     //quoted(record%text(1)), record%place(1), 'close PARAmeter with a blank ' &
-                    //'record; a parameter of this name needs an equals sign')
+                    //'record; or, if a parameter of this name is meant, write an equals sign')
           return
         end if
         call get_assignment(deck, record, name, value, found)

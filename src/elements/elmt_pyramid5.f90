@@ -25,7 +25,7 @@ contains
     type(element_t) :: row
 
     row = element_t(name='PYRAMID5', deck_nodes=5, degree=1, &
-                    source='linear pyramid, 5 nodes: Q1 with its upper face collapsed', &
+                    source='linear pyramid, 5 nodes: Q1 with its upper face collapsed to a point', &
                     rule=collapsed_rule, functions=functions, topology=set_topology, form=form)
   end function describe
 

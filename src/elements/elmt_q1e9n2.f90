@@ -36,7 +36,8 @@ contains
 
     row = describe()
     row%name = 'Q1E9NT'
-    row%source = 'linear bulk, isogeometric surface, nine enhanced modes tapered to the surface'
+    row%source = 'linear bulk, isogeometric surface, nine enhanced modes tapered towards the ' &
+                 //'surface'
     row%modes => tapered_modes
   end function describe_tapered
 

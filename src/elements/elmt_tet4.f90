@@ -27,7 +27,7 @@ contains
     type(element_t) :: row
 
     row = element_t(name='TET4', deck_nodes=4, degree=1, &
-                    source='linear tetrahedron, 4 nodes; it locks: for interiors only', &
+                    source='linear tetrahedron, 4 nodes; it locks, so use it only inside bodies', &
                     rule=set_rule, functions=functions, topology=set_topology, form=form)
   end function describe
 

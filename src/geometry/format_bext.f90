@@ -67,8 +67,8 @@ contains
       if (allocated(error)) return
       if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
         call fail_in_file(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
-                          //', but the weight flag is 0', error, &
-                          'the fifth number of the file must be 1 if control points have weights')
+                          //', but the weight flag is 0', error, 'the weight flag, the fifth ' &
+                          //'number of the file, must be 1 if control points have weights')
       else
         call add_point(text, x, surface, error)
       end if
@@ -100,7 +100,7 @@ contains
     do g = 1, n
       call next_line(text)
       if (words_left(text) /= 6) then
-        call fail_in_file(text, 'expected a group of elements with 6 numbers, found ' &
+        call fail_in_file(text, 'expected 6 numbers for a group of elements, found ' &
                           //to_text(words_left(text)), error, &
                           'the numbers are etype ne nn ncv and the two degrees of a surface')
         return
@@ -117,7 +117,7 @@ contains
       if (nvector /= nf(g)) then
         call fail_in_file(text, 'elements have '//to_text(nf(g))//' control points, but ' &
                           //to_text(nvector)//' coefficient vectors', error, &
-                          'each control point has one vector')
+                          'the numbers must be equal, because each control point has one vector')
         return
       end if
     end do
@@ -183,8 +183,8 @@ contains
             call next_integer(text, 'the position of a coefficient', at(i), error)
             if (allocated(error)) return
             if (at(i) >= 1 .and. at(i) <= MOST_COEFFICIENTS) cycle
-            call fail_in_file(text, 'a coefficient has the position '//to_text(at(i)), error, &
-                              'positions are 1 to '//to_text(MOST_COEFFICIENTS))
+            call fail_in_file(text, 'a coefficient has the invalid position '//to_text(at(i)), &
+                              error, 'positions range from 1 to '//to_text(MOST_COEFFICIENTS))
             return
           end do
           call new_vector(vectors, maxval([0, at]))
@@ -255,15 +255,16 @@ contains
         v = list%vector(first + a - 1)
         if (v < 1 .or. v > vectors%n) then
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
-                            //to_text(v)//', but there are '//to_text(vectors%n), error, &
-                            'this message counts vectors from 1, the dense ones first')
+                            //to_text(v)//', but there are vectors 1 to ' &
+                            //to_text(vectors%n), error, &
+                            'vectors are counted from 1 in this message, the dense ones first')
           return
         end if
         length = vectors%first(v + 1) - vectors%first(v)
         if (length > nb .or. (length < nb .and. v <= vectors%ndense)) then
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                             //to_text(v)//', which has '//to_text(length)//' numbers', error, &
-                            'elements of these degrees need '//to_text(nb))
+                            'an element of these degrees needs '//to_text(nb)//' numbers')
           return
         end if
         c(a, :length) = vectors%value(vectors%first(v):vectors%first(v + 1) - 1)

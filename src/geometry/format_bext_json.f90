@@ -34,7 +34,7 @@ contains
     call parse_json(text, json, error)
     if (.not. allocated(error)) call get_integer(text, json, 1, 'dim', dim, error)
     if (.not. allocated(error) .and. dim /= 2) then
-      call fail_in_file(text, 'the splines have '//to_text(dim)//' directions, expected 2', error, &
+      call fail_in_file(text, 'expected splines of 2 directions, found '//to_text(dim), error, &
                         'a surface has "dim": 2')
     end if
     if (.not. allocated(error)) call get(text, json, 1, 'nodes', JSON_LIST, list, error)
@@ -53,8 +53,8 @@ contains
       if (allocated(error)) return
       text%at = json%at(node)
       if (size(x) /= 4) then
-        call fail_in_file(text, 'control point '//to_text(i - 1)//' has '//to_text(size(x)) &
-                          //' numbers, expected 4', error, 'give x, y, z and the weight')
+        call fail_in_file(text, 'expected 4 numbers for control point '//to_text(i - 1) &
+                          //', found '//to_text(size(x)), error, 'give x, y, z and the weight')
       else if (abs(x(4) - 1.0_wp) > 0.0_wp .and. json%type(max(flag, 1)) /= JSON_TRUE) then
         call fail_in_file(text, 'control point '//to_text(i - 1)//' has the weight ' &
                           //to_text(x(4))//', but the surface is not rational', error, &
@@ -124,7 +124,8 @@ contains
       end do
       b = json%next(b)
     end do
-    if (e > 0) call fail_in_file(text, 'the list has more elements than the blocks', error)
+    if (e > 0) call fail_in_file(text, 'the list of elements has more entries than the blocks ' &
+                                 //'announce', error)
   end subroutine read_elements
 
   !> Get the numbers of the nodes or coefficient vectors of an element, which start at 0 in the file
@@ -185,8 +186,8 @@ contains
       if (.not. allocated(error)) call get_reals(text, json, values, 'components', x, error)
       if (allocated(error)) return
       if (json%length(places) /= size(x)) then
-        call fail_in_file(text, 'found '//to_text(json%length(places))//' indices for ' &
-                          //to_text(size(x))//' components', error)
+        call fail_in_file(text, 'expected '//to_text(size(x))//' indices, one for each ' &
+                          //'component, found '//to_text(json%length(places)), error)
         return
       end if
       at = [(0, i=1, size(x))]
@@ -195,8 +196,8 @@ contains
         call to_integer(text, json, j, 'indices', at(i), error)
         if (allocated(error)) return
         if (at(i) < 0 .or. at(i) >= MOST_COEFFICIENTS) then
-          call fail_in_file(text, 'a coefficient has the position '//to_text(at(i)), error, &
-                            'positions are 0 to '//to_text(MOST_COEFFICIENTS - 1))
+          call fail_in_file(text, 'a coefficient has the invalid position '//to_text(at(i)), &
+                            error, 'positions range from 0 to '//to_text(MOST_COEFFICIENTS - 1))
           return
         end if
         j = json%next(j)

@@ -38,7 +38,8 @@ contains
         call read_elements(text, file, error)
       case default
         call fail_in_file(text, 'expected COORdinates or ELEMents, found '//quoted(word), error, &
-                          'a blank line ends their records; other records belong in the deck')
+                          'a blank line ends the records of each; all other records belong in ' &
+                          //'the deck')
       end select
       if (allocated(error)) return
     end do
@@ -102,8 +103,8 @@ contains
 
     number = 0
     if (n < least .or. n > most) then
-      call fail_in_file(text, 'found a record of '//to_text(n)//' numbers', error, &
-                        'records are '//usage)
+      call fail_in_file(text, 'the record has '//to_text(n)//' numbers', error, &
+                        'write records as '//usage)
       return
     end if
     call next_integer(text, 'a number', number, error)
@@ -116,9 +117,9 @@ contains
     call next_integer(text, 'the increment of generation', increment, error)
     if (allocated(error)) return
     if (increment /= 0) then
-      call fail_in_file(text, 'the increment of generation is '//to_text(increment) &
-                        //', expected 0', error, &
-                        'list all nodes and elements, or INCLude the file in the deck')
+      call fail_in_file(text, 'expected 0 as the increment of generation, found ' &
+                        //to_text(increment), error, 'list all nodes and elements, or INCLude ' &
+                        //'the file in the deck')
     end if
   end subroutine read_head
 
@@ -138,7 +139,7 @@ contains
       s = solid_shape(file%shapes, n - 3)
       if (s == 0) then
         call fail_in_file(text, 'the element has '//to_text(n - 3)//' nodes', error, &
-                          'elements have '//node_counts(file%shapes%row%deck_nodes)//' nodes')
+                          'known elements have '//node_counts(file%shapes%row%deck_nodes)//' nodes')
         return
       end if
       spot = text%at

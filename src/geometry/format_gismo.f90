@@ -48,8 +48,9 @@ contains
       call read_knots(text, d, dir(d), error)
       if (allocated(error)) return
       if (nfunction(dir(d)) <= dir(d)%degree .or. nfunction(dir(d)) > len(text%all)/n) then
-        call fail_in_file(text, 'found '//to_text(size(dir(d)%knots))//' knots for degree ' &
-                          //to_text(dir(d)%degree)//' in direction '//to_text(d), error)
+        call fail_in_file(text, 'direction '//to_text(d)//' has '//to_text(size(dir(d)%knots)) &
+                          //' knots, which do not fit its degree '//to_text(dir(d)%degree) &
+                          //' and the size of the file', error)
         return
       end if
       n = n*nfunction(dir(d))
@@ -186,8 +187,8 @@ contains
     call next_reals(part, what, x, error)
     if (allocated(error)) return
     call next_word(part, word)
-    if (len(word) > 0) call fail_in_file(part, 'expected '//to_text(size(x))//' numbers, found ' &
-                                         //quoted(word)//' after them', error)
+    if (len(word) > 0) call fail_in_file(part, 'expected the end after '//to_text(size(x)) &
+                                         //' numbers, found '//quoted(word), error)
   end subroutine read_all
 
   !> Read the next knot vector.
@@ -211,7 +212,7 @@ contains
       read (degree, *, iostat=status) s%degree
     end if
     if (status /= 0) then
-      call fail_in_file(text, quoted(degree)//' is not a valid degree of a KnotVector', error)
+      call fail_in_file(text, quoted(degree)//' is not a valid degree for a KnotVector', error)
       return
     end if
     first = part%at

@@ -55,7 +55,8 @@ contains
           call fail_in_file(text, 'expected a section, found '//quoted(section), error, &
                             'sections of a Gmsh file begin with $')
         else if (section == '$PartitionedEntities') then
-          call fail_in_file(text, 'the mesh is partitioned', error, 'write it in one part')
+          call fail_in_file(text, 'the mesh is partitioned', error, &
+                            'save it from Gmsh without partitions')
         else if (i == 0) then
           call fail_in_file(text, 'section '//section//' has no $End'//section(2:), error)
         else

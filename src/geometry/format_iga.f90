@@ -85,7 +85,7 @@ contains
       call finish_surface(text, surface, error)
     else ! otherwise further elements would be ignored
       call fail_in_file(text, 'unexpected '//quoted(word)//' after the last element', error, &
-                        'elemN may be too small')
+                        'the number of elements, elemN, may be too small')
     end if
   end subroutine read_iga
 

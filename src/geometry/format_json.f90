@@ -355,8 +355,8 @@ contains
     if (member(text, json, i, name) == 0) return
     call get_integer(text, json, i, name, given, error)
     if (allocated(error) .or. given == n) return
-    call fail_in_file(text, quoted(name)//' is '//to_text(given)//', but there are '//to_text(n), &
-                      error)
+    call fail_in_file(text, quoted(name)//' is '//to_text(given)//', but the file lists ' &
+                      //to_text(n), error)
   end subroutine check_number
 
 end module format_json

@@ -180,14 +180,14 @@ contains
     else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
       call fail_in_file(text, 'elements and edges must come before knotvectors', error)
     else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
-      call fail_in_file(text, 'a vertex is not among the '//to_text(mfem%nvertex)//' of the file', &
-                        error)
+      call fail_in_file(text, 'an element or edge refers to a vertex outside the range 0 to ' &
+                        //to_text(mfem%nvertex - 1), error)
     else if (any([((any(mfem%vertex(i + 1:, e) == mfem%vertex(i, e)), i=1, 7), &
                    e=1, size(mfem%vertex, 2))])) then
-      call fail_in_file(text, 'an element has a vertex twice', error)
+      call fail_in_file(text, 'an element lists the same vertex twice', error)
     else if (maxval(mfem%edge(1, :)) >= size(mfem%dir)) then
-      call fail_in_file(text, 'an edge has a knot vector that is not among the ' &
-                        //to_text(size(mfem%dir))//' of the file', error)
+      call fail_in_file(text, 'an edge refers to a knot vector outside the range 0 to ' &
+                        //to_text(size(mfem%dir) - 1), error)
     end if
   end subroutine read_topology
 
@@ -206,8 +206,9 @@ contains
       call next_count(text, 'the number of control points', ncp, error)
       if (allocated(error)) return
       if (ncp <= dir(i)%degree) then
-        call fail_in_file(text, 'found '//to_text(ncp)//' control points for degree ' &
-                          //to_text(dir(i)%degree), error)
+        call fail_in_file(text, 'degree '//to_text(dir(i)%degree)//' needs at least ' &
+                          //to_text(dir(i)%degree + 1)//' control points, found '//to_text(ncp), &
+                          error)
         return
       end if
       allocate (dir(i)%knots(ncp + dir(i)%degree + 1))

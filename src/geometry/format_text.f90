@@ -40,8 +40,9 @@ contains
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it is not a regular file', &
                 place)
     else if (file%size > MAX_SIZE) then
-      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': it has ' &
-                //to_text(file%size)//' bytes', place, 'expected a text file of less than 1 GB')
+      call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': its size is ' &
+                //to_text(file%size)//' bytes', place, 'the file must be a text file of less ' &
+                //'than 1 GB')
     end if
     if (allocated(error)) return
     call note_input(path)

@@ -105,8 +105,8 @@ contains
     do e = 1, spec%file%nelem
       if (material(e) > 0 .or. .not. spec%file%solid(e)) cycle
       call fail(error, DECK_ERROR, 'element '//to_text(spec%file%label(e))//' of mesh ' &
-                //quoted(spec%spec%name)//' has no material', spec%spec%place, &
-                'give MATErial m for all elements first, then MATErial m group for groups')
+                //quoted(spec%spec%name)//' has no material', spec%spec%place, 'write MATErial ' &
+                //'m, which gives all elements a material, before the records MATErial m group')
       return
     end do
   end subroutine find_materials
@@ -178,7 +178,7 @@ contains
     character(64), allocatable :: names(:)
     integer :: g
 
-    hint = 'its file has no physical groups; use ALL for the whole boundary'
+    hint = 'the mesh file has no physical groups; use ALL for the whole boundary'
     if (.not. allocated(file%group)) return
     allocate (names(size(file%group)))
     do g = 1, size(names)
@@ -291,7 +291,7 @@ contains
     body%note = to_text(count(file%solid))//' elements, '//to_text(count(used))//' nodes, ' &
                 //to_text(count(faces%bounds))//' faces on the boundary'
     if (.not. all(used)) body%note = body%note//'; '//to_text(count(.not. used)) &
-                                     //' nodes of the file belong to no element'
+                                     //' nodes of the file that belong to no element are ignored'
   end subroutine set_boundary
 
 end module mesh_body

@@ -37,8 +37,9 @@ contains
     end do
     if (any(file%solid)) return
     text%at = 0
-    call fail_in_file(text, 'the file has no solid elements', error, 'in Gmsh, make ' &
-                      //'a 3D mesh; if there are physical groups, the volume must belong to one')
+    call fail_in_file(text, 'the file has no solid elements', error, 'generate a 3D mesh in ' &
+                      //'Gmsh; if the model has physical groups, the volume must belong to one ' &
+                      //'of them')
   end subroutine check_shapes
 
   !> Check that the nodes of each element are distinct, and that its map is right-handed at all
@@ -75,8 +76,9 @@ contains
         text%at = file%spot(e)
         associate (node => file%node(file%first(e):file%first(e + 1) - 1))
           if (size(unique(node)) < size(node)) then
-            call fail_in_file(text, 'element '//to_text(file%label(e))//' has a node twice', &
-                              error, 'write collapsed hexahedra as wedges, pyramids or tetrahedra')
+            call fail_in_file(text, 'element '//to_text(file%label(e))//' lists the same node ' &
+                              //'twice', error, 'write collapsed hexahedra as wedges, pyramids ' &
+                              //'or tetrahedra')
             return
           end if
           x = file%x(:, node)
@@ -91,12 +93,12 @@ contains
         if (least > FLAT*extent**3) cycle
         name = trim(file%shapes(s)%name)//' '//to_text(file%label(e))
         if (least > -FLAT*extent**3) then
-          call fail_in_file(text, name//' has no volume', error, &
-                            'all of its nodes lie in one plane: remove the element, or mesh again')
+          call fail_in_file(text, name//' has no volume', error, 'all of its nodes lie in one ' &
+                            //'plane: remove the element, or generate the mesh again')
         else
-          call fail_in_file(text, name//' is inverted', error, &
-                            'reverse the order of its nodes (in Gmsh: ReorientMesh Volume), or ' &
-                            //'make a curved element straight (Mesh.ElementOrder = 1)')
+          call fail_in_file(text, name//' is inverted', error, 'reverse the order of its nodes ' &
+                            //'(in Gmsh: ReorientMesh Volume); if the element is curved, make it ' &
+                            //'straight (Mesh.ElementOrder = 1)')
         end if
         return
       end do

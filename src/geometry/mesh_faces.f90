@@ -79,10 +79,9 @@ contains
       end do
       if (same < 2) cycle
       text%at = file%spot(newest)
-      call fail_in_file(text, 'element '//to_text(file%label(newest)) &
-                        //' is the third element with the same face', error, &
-                        'only two elements can share a face: remove repeated or ' &
-                        //'overlapping elements')
+      call fail_in_file(text, 'element '//to_text(file%label(newest))//' is the third element ' &
+                        //'with the same face', error, 'a face can belong to two elements at ' &
+                        //'most: remove repeated or overlapping elements')
       return
     end do
   end subroutine find_boundary

@@ -117,7 +117,7 @@ contains
       if (file%number(n) > file%number(n - 1)) cycle
       text%at = maxval(file%node_spot(n - 1:n))
       call fail_in_file(text, 'node '//to_text(file%number(n))//' is defined twice', error, &
-                        'give every node a number of its own')
+                        'give each node its own number')
       return
     end do
     do e = 1, file%nelem

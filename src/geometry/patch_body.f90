@@ -76,7 +76,7 @@ contains
     integer :: i
 
     call log_line("patch     '"//spec%name//"' is left-handed: its direction 3 is reversed " &
-                  //'internally; faces keep their names')
+                  //'internally, but faces keep their names')
     do i = 1, size(spec%enrich)
       if (spec%enrich(i)%face > 4) spec%enrich(i)%face = 11 - spec%enrich(i)%face
     end do

@@ -100,9 +100,9 @@ contains
       associate (e => spec%enrich(i))
         if (e%degree >= 1 .and. e%degree <= MAX_DEGREE .and. e%raise >= 0 &
             .and. e%raise <= MAX_DEGREE - e%degree) cycle
-        call fail(error, DECK_ERROR, 'the face has order '//to_text(e%degree)//' raised by ' &
-                  //to_text(e%raise), e%place, 'orders must be from 1 to ' &
-                  //to_text(MAX_DEGREE)//' after RAISe')
+        call fail(error, DECK_ERROR, 'the face has order '//to_text(e%degree)//' with RAISe ' &
+                  //to_text(e%raise), e%place, 'orders must be from 1 to '//to_text(MAX_DEGREE) &
+                  //' after RAISe')
       end associate
       return
     end do

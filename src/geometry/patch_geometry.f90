@@ -215,7 +215,7 @@ contains
     call fail(error, DECK_ERROR, 'the knots in direction '//to_text(d)//" of patch '"//spec%name &
               //"' do not increase from "//to_text(breaks(1))//' to ' &
               //to_text(breaks(size(breaks))), spec%place, &
-              'KNOTs,dir lists the interior knots only, each once')
+              'KNOTs,dir lists each interior knot once and omits the two ends')
   end subroutine check_rising
 
   !> Find the ends of the elements of a NURBS patch and the knots to insert.

@@ -31,31 +31,31 @@ contains
     end if
     do d = 1, ndir
       associate (s => patch%dir(d), n => size(patch%cp, d + 1))
-        of = what//', direction '//to_text(d)
+        of = 'direction '//to_text(d)//' of '//what
         p = s%degree
         if (p < 1 .or. p > MAX_DEGREE) then
-          call fail(error, DECK_ERROR, of//': the degree is '//to_text(p), place, &
+          call fail(error, DECK_ERROR, of//' has degree '//to_text(p), place, &
                     'degrees must be from 1 to '//to_text(MAX_DEGREE))
           return
         end if
         last = 0
         if (allocated(s%knots)) last = size(s%knots)
         if (last /= n + p + 1 .or. n < p + 1) then
-          call fail(error, DECK_ERROR, of//': '//to_text(last)//' knots for '//to_text(n) &
-                    //' control points of degree '//to_text(p), place, &
-                    'there must be as many knots as control points, plus degree + 1')
+          call fail(error, DECK_ERROR, of//' has '//to_text(last)//' knots for '//to_text(n) &
+                    //' control points and degree '//to_text(p), place, &
+                    'the number of knots must be that of control points plus degree + 1')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
-          call fail(error, DECK_ERROR, of//': the knots do not increase', place, &
+          call fail(error, DECK_ERROR, 'the knots in '//of//' do not increase', place, &
                     'list them in increasing order')
         else if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
                  .or. .not. s%knots(last) > s%knots(1)) then
-          call fail(error, DECK_ERROR, of//': the knot vector is not open', place, &
+          call fail(error, DECK_ERROR, 'the knot vector in '//of//' is not open', place, &
                     'repeat its first and last knot '//to_text(p + 1)//' times each')
         end if
         if (allocated(error)) return
         do i = 2, last - p - 1
           if (s%knots(i + p) > s%knots(i)) cycle
-          call fail(error, DECK_ERROR, of//': the knot '//to_text(s%knots(i)) &
+          call fail(error, DECK_ERROR, 'the knot '//to_text(s%knots(i))//' in '//of &
                     //' is repeated more than '//to_text(p)//' times', place, &
                     'the patch is discontinuous there: make two patches')
           return
@@ -91,12 +91,12 @@ contains
                 //'or reverse direction 3')
     else if (least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
-                place, 'worst in knot span '//to_text(bad(1))//' '//to_text(bad(2))//' ' &
-                //to_text(bad(3)))
+                place, 'the Jacobian is smallest in knot span '//to_text(bad(1))//' ' &
+                //to_text(bad(2))//' '//to_text(bad(3)))
     else
       call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
                 //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
-                'use more elements, or another order')
+                'check its control points, or use more elements or another order')
     end if
   end subroutine check_orientation
 

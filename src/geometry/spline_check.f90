@@ -108,8 +108,8 @@ contains
         if (way(1) > minval(way(2:))) then
           call fail(error, DECK_ERROR, 'the inner nodes of element '//to_text(e)//' of layer ' &
                     //quoted(spec%name)//' are not in the order of the corners of the element', &
-                    spec%spline%layer_place, 'list the nodes that are opposite to the corners ' &
-                    //'(-,-) (+,-) (+,+) (-,+), in this order')
+                    spec%spline%layer_place, 'list the nodes opposite the corners (-,-) (+,-) ' &
+                    //'(+,+) (-,+), in this order')
           return
         end if
         do c = 1, 4
@@ -119,10 +119,10 @@ contains
               elem(p) = e
             else if (node(p) /= inner(c, e)) then
               call fail(error, DECK_ERROR, 'elements '//to_text(elem(p))//' and '//to_text(e) &
-                        //' of layer '//quoted(spec%name)//' have a corner in common, but ' &
-                        //'different inner nodes there, '//to_text(node(p))//' and ' &
-                        //to_text(inner(c, e)), spec%spline%layer_place, &
-                        'elements that share a corner of the surface must share its inner node')
+                        //' of layer '//quoted(spec%name)//' share a corner, but have different ' &
+                        //'inner nodes there, '//to_text(node(p))//' and '//to_text(inner(c, e)), &
+                        spec%spline%layer_place, 'elements that share a corner of the surface ' &
+                        //'must share its inner node')
               return
             end if
           end associate

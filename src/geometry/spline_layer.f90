@@ -85,10 +85,9 @@ contains
       if (.not. allocated(error)) call next_integer(text, 'the number of masters', n, error)
       if (allocated(error)) return
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
-        call fail_in_file(text, 'found a record of '//to_text(i)//' numbers for '//to_text(n) &
-                          //' masters', error, &
-                          'a record consists of the slave, n, and n pairs of a master ' &
-                          //'and its coefficient')
+        call fail_in_file(text, 'the record has '//to_text(i)//' numbers, which do not fit ' &
+                          //to_text(n)//' masters', error, 'a record consists of the slave, the ' &
+                          //'number n of masters, and n pairs of a master and its coefficient')
         return
       end if
       master = [(0, i=1, n)]
@@ -100,7 +99,8 @@ contains
       end do
       if (slave < 1 .or. any(master == 0)) then
         call fail_in_file(text, 'node number '//to_text(min(slave, 0))//' is not positive', error, &
-                          'only a master may be negative: -k is control point k of the surface')
+                          'only masters may have negative numbers: -k is control point k of the ' &
+                          //'surface')
         return
       end if
       call add_constraint(list, slave, master, c, place)

@@ -87,16 +87,17 @@ contains
     do a = 1, size(node)
       if (node(a) >= 1 .and. node(a) <= s%nnode) cycle
       call fail_in_file(text, 'element '//to_text(e)//' refers to control point ' &
-                        //to_text(node(a))//', but there are '//to_text(s%nnode), error, &
-                        'this message counts control points from 1')
+                        //to_text(node(a))//', but the surface has control points 1 to ' &
+                        //to_text(s%nnode), error, &
+                        'control points are counted from 1 in this message')
       return
     end do
     do b = 1, size(c, 2)
       if (abs(sum(c(:, b)) - 1.0_wp) <= UNITY) cycle
-      call fail_in_file(text, 'the coefficients of Bernstein polynomial '//to_text(b) &
-                        //' in the functions of element '//to_text(e)//' sum to ' &
-                        //to_text(sum(c(:, b))), error, 'the sum must be 1 for each ' &
-                        //'polynomial: a coefficient may be missing or have too few digits')
+      call fail_in_file(text, 'the coefficients of Bernstein polynomial '//to_text(b)//' in the ' &
+                        //'functions of element '//to_text(e)//' sum to '//to_text(sum(c(:, b))), &
+                        error, 'the sum must be 1 for each polynomial; a coefficient may be ' &
+                        //'missing or have too few digits')
       return
     end do
     first = s%first(e)
@@ -117,12 +118,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (any(degree < 1 .or. degree > MAX_DEGREE)) then
-      call fail_in_file(text, 'element '//to_text(e)//' has the degrees '//to_text(degree(1)) &
-                        //' and '//to_text(degree(2)), error, &
-                        'degrees must be from 1 to '//to_text(MAX_DEGREE))
+      call fail_in_file(text, 'element '//to_text(e)//' has degrees '//to_text(degree(1))//' and ' &
+                        //to_text(degree(2)), error, 'degrees must be from 1 to ' &
+                        //to_text(MAX_DEGREE))
     else if (nf < 1 .or. nf > MOST_FUNCTIONS) then
       call fail_in_file(text, 'element '//to_text(e)//' has '//to_text(nf)//' functions', error, &
-                        'an element may have 1 to '//to_text(MOST_FUNCTIONS))
+                        'an element may have 1 to '//to_text(MOST_FUNCTIONS)//' functions')
     end if
   end subroutine check_sizes
 

@@ -130,7 +130,7 @@ contains
 
     if (material_index(draft, number) > 0) return
     hint = 'the deck has no MATErial'
-    if (size(draft%model%material) > 0) hint = 'defined:'
+    if (size(draft%model%material) > 0) hint = 'defined materials:'
     do i = 1, min(size(draft%model%material), 20)
       hint = hint//' '//to_text(draft%model%material(i)%number)
     end do
@@ -319,12 +319,12 @@ contains
           place = draft%places%at(draft%elements%place(block%number(first)))
         end if
         if (size(draft%tie) > 0 .and. size(unique(block%conn(:, first))) < block%nen) then
-          hint = 'TIE joined nodes of this element, which are closer than ' &
+          hint = 'TIE has joined nodes of this element, because their distance is less than ' &
                  //to_text(tolerance(draft, mesh), 3)//' of the extent of the mesh: give TIE a ' &
                  //'smaller tolerance'
         else if (turned) then
-          hint = 'start the nodes of both faces at the same edge: the fifth node belongs to the ' &
-                 //'first, the sixth to the second'
+          hint = 'begin the nodes of both faces at the same edge: the fifth node must lie ' &
+                 //'opposite the first, the sixth opposite the second'
         else if (block%body > 0) then
           hint = 'use more elements to follow the shape more closely, or enrich other faces'
         else
@@ -376,10 +376,10 @@ contains
         if (distance(a) <= minval(distance)) cycle
       end associate
       call find_ends(topology, a, at)
-      hint = 'its '//to_text(i)//'th node, '//to_text(block%conn(a, e))//', is not near the ' &
-             //'middle between its nodes '//to_text(block%conn(at(1), e))//' and ' &
-             //to_text(block%conn(at(2), e))//': see the order of the nodes in the manual, ' &
-             //'ELEMents'
+      hint = 'node '//to_text(i)//' in its list, '//to_text(block%conn(a, e))//', is not near ' &
+             //'the middle between nodes '//to_text(block%conn(at(1), e))//' and ' &
+             //to_text(block%conn(at(2), e))//': see the order of nodes under ELEMents in the ' &
+             //'manual'
       if (i == 9 .and. topology%shape == 'tetrahedron') then
         hint = hint//' (Gmsh exchanges the last two)'
       end if

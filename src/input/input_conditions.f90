@@ -152,9 +152,9 @@ contains
         if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! only one node gives it
         if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
-                  //', to which DISPlacement gives '//to_text(u(d))//' and '//to_text(v(d)) &
-                  //' in direction '//to_text(d), draft%tie(1)%place, 'give the displacement of ' &
-                  //'one of them, or leave them out of TIE')
+                  //', for which DISPlacement prescribes '//to_text(u(d))//' and '//to_text(v(d)) &
+                  //' in direction '//to_text(d), draft%tie(1)%place, &
+                  'prescribe the displacement of only one of them, or leave them out of TIE')
         return
       end do
     end associate
@@ -248,9 +248,9 @@ contains
         if (allocated(bc%rival)) bc%rival(:, n) = -1
       end select
     end do
-    if (kept .and. r%sets) call warn('SURFace adds to the restraints of its nodes; SET has no ' &
-                                     //'effect on it', r%place, 'remove the restraints of other ' &
-                                     //'records that are not meant')
+    if (kept .and. r%sets) call warn('SET has no effect on SURFace, which adds to the restraints ' &
+                                     //'of its nodes', r%place, 'remove unwanted restraints of ' &
+                                     //'these nodes from the other records')
   end subroutine apply
 
   !> Kind of condition that the records of a word set, C_FIXED to C_TABLE.
@@ -361,7 +361,7 @@ contains
         n = findloc(any(lost, 1), .true., 1)
       end if
       if (.not. found) return
-      hint = 'give both in '//trim(WORDS(r%word))
+      hint = 'give both load numbers in '//trim(WORDS(r%word))
       if (kind /= C_TABLE) hint = 'write '//trim(WORDS(r%word))//',ADD to keep both'
       call warn(trim(WORDS(r%word))//' replaces the '//trim(VALUES(kind))//' that '//other &
                 //' gives to node '//to_text(n)//': '//trim(WORDS(r%word))//' acts after ' &
@@ -393,9 +393,9 @@ contains
         end do
         if (acts .or. .not. any(on)) cycle
         call warn('the load numbers of this record have no effect: no node on the plane has a ' &
-                  //'nodal force or displacement in these directions', r%place, &
-                  'EFORce, CSURface, FORCe, EDISplacement and others give them; PRESsure and ' &
-                  //'MOVE have their own PROP k')
+                  //'nodal force or displacement in these directions', r%place, 'give them, for ' &
+                  //'instance with EFORce, CSURface, FORCe or EDISplacement; PRESsure and MOVE ' &
+                  //'have their own PROP k')
       end associate
     end do
   end subroutine warn_idle_numbers
@@ -473,8 +473,9 @@ contains
             if (n == 0) cycle
             call warn(trim(WORDS(r%word))//' SET leaves direction '//to_text(d)//' of ' &
                       //to_text(n)//' nodes free, but FIX in line ' &
-                      //to_text(draft%support(j)%at%place%line)//' restrains it: FIX counts', &
-                      r%place, 'FIX adds to all other restraints: leave the direction free there')
+                      //to_text(draft%support(j)%at%place%line)//' restrains it: FIX takes ' &
+                      //'precedence', r%place, 'FIX adds to all other restraints: leave the ' &
+                      //'direction free in FIX too')
             exit search
           end do
         end do search

@@ -74,9 +74,9 @@ contains
       do while (any(mark(master) > 0))
         depth = depth + 1
         if (depth > list%n .or. any(master == list%slave(i))) then
-          call fail(error, DECK_ERROR, named(mesh, list%slave(i)) &
-                    //' depends on itself', list%place(i), 'remove a constraint: masters of this ' &
-                    //'node are in turn slaves of it')
+          call fail(error, DECK_ERROR, named(mesh, list%slave(i))//' depends on itself through ' &
+                    //'its masters', list%place(i), 'remove one of the constraints that form ' &
+                    //'this cycle')
           return
         end if
         j = findloc(mark(master) > 0, .true., 1)
@@ -129,7 +129,7 @@ contains
     if (off <= ON_PLACE*extent) return
     call fail(error, DECK_ERROR, named(mesh, s)//' lies '//to_text(off) &
               //' away from the position that its masters give it', list%place(list%n), &
-              'a hanging node lies on the edge or face between its masters')
+              'a hanging node must lie on the edge or face between its masters')
   end subroutine check_place
 
   !> Remove the supports of slaves, which follow their masters. Fail unless the displacement
@@ -156,7 +156,7 @@ contains
             if (.not. held(d, m)) then
               call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
                         //named(mesh, m)//' is free', list%place(i), &
-                        'restrain all masters of the hanging node, which follows them')
+                        'restrain all masters of this hanging node, which follows them')
               exit directions
             end if
             value = value + list%c(j)*bc%value(d, m)

@@ -77,10 +77,9 @@ contains
         do k = 1, 2
           if (common_faces(contact(j)%side(1), new%side(k)) == 0) cycle
           if (common_faces(contact(j)%side(2), new%side(3 - k)) == 0) cycle
-          call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' has faces in common ' &
-                    //'with both sides of contact '//quoted(contact(j)%name), new%place, &
-                    'pressures and bonds there would count twice: leave these ' &
-                    //'faces out of one of the contacts')
+          call fail(error, DECK_ERROR, 'contact '//quoted(new%name)//' shares faces with both ' &
+                    //'sides of contact '//quoted(contact(j)%name), new%place, 'pressures and ' &
+                    //'bonds there would count twice: leave these faces out of one of the contacts')
           return
         end do
       end do
@@ -113,7 +112,7 @@ contains
       if (contact%default_depth) contact%depth = 0.5_wp*minval(t, t > 0.0_wp)
       if (contact%default_depth .and. .not. any(t > 0.0_wp)) then
         call fail(error, DECK_ERROR, 'the bodies of contact '//quoted(contact%name) &
-                  //' have no thickness behind these faces', contact%place, &
+                  //' have no thickness behind the contact faces', contact%place, &
                   'give DEPTh d, the largest penetration that counts as contact')
         return
       end if
@@ -133,8 +132,8 @@ contains
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
               //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
               //', '//to_text(start%x_overlap(2), 4)//', '//to_text(start%x_overlap(3), 4) &
-              //'), deeper than DEPTh '//to_text(contact%depth, 3), contact%place, &
-              'move one of them; or give DEPTh d, the largest penetration that counts as contact')
+              //'), more than DEPTh '//to_text(contact%depth, 3), contact%place, 'move one of ' &
+              //'them, or give a larger DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
 
   !> Make both surfaces with their integration points and the widths of their elements. Fail if they
@@ -443,8 +442,8 @@ contains
                   //' is rigid', at%place, 'a rigid body cannot touch itself')
       else if ((contact%scheme /= 0 .and. contact%scheme /= MORTAR) .or. contact%cohesive%given &
                .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
-        call fail(error, DECK_ERROR, 'self-contact '//quoted(contact%name)//' needs ' &
-                  //'SCHEme MORTar, without COHEsive, BORDer and REFIne', at%face_place, &
+        call fail(error, DECK_ERROR, 'self-contact '//quoted(contact%name)//' works only with ' &
+                  //'SCHEme MORTar and without COHEsive, BORDer and REFIne', at%face_place, &
                   'COHEsive, BORDer, REFIne and the other schemes need two different surfaces')
       end if
     end associate

@@ -78,8 +78,8 @@ contains
             if (same) nplace = nplace + 1
             if (same .and. nplace == 1) then
               call warn(element_text(mesh, b)//' lies in the same place as ' &
-                        //element_text(mesh, a), place_of(draft, mesh, b), 'if both elements ' &
-                        //'are intended, the stiffness counts twice there')
+                        //element_text(mesh, a), place_of(draft, mesh, b), &
+                        'remove one of them, unless the stiffness is meant to count twice there')
             end if
           end associate
         end do
@@ -218,11 +218,11 @@ contains
       end associate
     end do
     if (n == 0) return
-    text = element_text(mesh, first)//' is twisted: opposite faces are turned by ' &
-           //to_text(largest, 3)//' degrees against each other'
+    text = element_text(mesh, first)//' is twisted: opposite faces are rotated by ' &
+           //to_text(largest, 3)//' degrees relative to each other'
     if (n > 1) text = text//' (the first of '//to_text(n)//' such elements)'
-    call warn(text, place_of(draft, mesh, first), 'start the nodes of both faces at the same ' &
-              //'edge: the fifth node belongs to the first, the sixth to the second')
+    call warn(text, place_of(draft, mesh, first), 'begin the nodes of both faces at the same ' &
+              //'edge: the fifth node must lie opposite the first, the sixth opposite the second')
   end subroutine warn_twisted
 
   !> Largest angle by which opposite faces of a hexahedron are turned against each other, about the
@@ -298,9 +298,8 @@ contains
                      //"smaller Poisson's ratio; refine to see the error")
         else if (linear(block%name)) then
           if (m%prop(NU) < LOCKING_FROM) cycle
-          call doubt(m, block%name, 'lock', 'use TYPE Q1E9 (ENHAnced with ELEMents), with ENRIch ' &
-                     //'... EAS on it, or Q2; elements that lock give displacements that are far ' &
-                     //'too small')
+          call doubt(m, block%name, 'lock', 'use TYPE Q1E9 (with ENRIch: EAS; with ELEMents: ' &
+                     //'ENHAnced), or Q2; elements that lock give far too small displacements')
         else
           if (m%prop(NU) < SOFT_FROM) cycle
           call doubt(m, block%name, 'have stresses that oscillate', 'trust displacements and ' &
@@ -315,9 +314,9 @@ contains
         if (block%row%nmode == 0 .or. block%row%spline .or. any(warned == m%number)) cycle
         if (m%prop(NU) < STIFF_FROM) cycle
         if (is_plane(block%conn, draft%model%bc%fixed)) cycle
-        call doubt(m, block%name, 'lock in part', 'forces are too large on coarse meshes, in ' &
-                   //'bending and contact by 10 to 50 %: refine to see the error, or use TYPE Q2 ' &
-                   //'for displacements and forces')
+        call doubt(m, block%name, 'partly lock', 'on coarse meshes, forces are 10 to 50 % too ' &
+                   //'large in bending and contact: refine to see the error, or use TYPE Q2 for ' &
+                   //'displacements and forces')
         warned = [warned, m%number]
       end associate
     end do
@@ -346,7 +345,7 @@ contains
     character(*), intent(in) :: what !! what these elements do
     character(*), intent(in) :: hint
 
-    call warn(trim(name)//' elements '//what//': material '//to_text(m%number) &
+    call warn(trim(name)//' elements '//what//', because material '//to_text(m%number) &
               //" has Poisson's ratio "//to_text(m%prop(NU)), m%place, hint)
   end subroutine doubt
 

@@ -351,7 +351,7 @@ contains
 
     if (abs(step) > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'the increment '//to_text(step)//' is larger than ' &
-                //to_text(MAX_NUMBER), place, 'a mesh has at most '//to_text(MAX_NUMBER) &
+                //to_text(MAX_NUMBER), place, 'a mesh may have at most '//to_text(MAX_NUMBER) &
                 //' nodes and elements')
     end if
   end subroutine check_increment

@@ -56,8 +56,8 @@ contains
              //'which supports or MOVE prescribe the motion, first at node ' &
              //to_text(findloc(any(acts .and. held, 1), .true., 1))
       if (n == count(acts) .or. any_given(draft, held)) then
-        call warn(text, hint='there they only change reactions: see FORC, EFOR, CFOR ' &
-                  //'and BOUN, EBOU, CBOU, FIX')
+        call warn(text, hint='such forces only change reactions: compare FORC, EFOR and CFOR ' &
+                  //'with BOUN, EBOU, CBOU, FIX and MOVE')
       else ! a loaded plane often ends at a support
         call log_line('note: '//text)
       end if
@@ -70,7 +70,7 @@ contains
       acts = abs(f) > NEGLIGIBLE*maxval(abs(f))
       if (.not. any(acts) .or. any(acts .and. .not. held)) cycle
       call warn('this PRESsure acts on a face whose nodes are all prescribed by supports or MOVE', &
-                bc%pressure(j)%place, 'there it only changes reactions: choose another ' &
+                bc%pressure(j)%place, 'a pressure there only changes reactions: choose another ' &
                 //'face, or leave directions free with 0 in FIX or * in MOVE')
     end do
   end subroutine warn_idle_loads

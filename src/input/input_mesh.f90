@@ -256,9 +256,9 @@ contains
           has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
           if (.not. has(k)) then
             call fail(error, DECK_ERROR, 'control point '//to_text(k)//' of spline ' &
-                      //quoted(spec%name)//' has no basis function', place, &
-                      'a master -k is control point k of the surface, which has control points 1 ' &
-                      //'to '//to_text(s%nnode))
+                      //quoted(spec%name)//' has no basis function', place, 'a master -k is ' &
+                      //'control point k of the surface; its control points are 1 to ' &
+                      //to_text(s%nnode))
             return
           end if
           node(j) = mesh%body(size(mesh%body))%node(count(has(:k)))

@@ -62,7 +62,7 @@ contains
       end if
     end do
     if (hanging%n > 0) then
-      call warn(text_of(mesh, faces, hanging)//' elements at their corners only, so that ' &
+      call warn(text_of(mesh, faces, hanging)//' elements only at corners, so that ' &
                 //to_text(count(hangs))//' of their nodes hang', &
                 place_of(draft, mesh, faces, hanging), 'the faces come apart between their ' &
                 //'corners: use elements of one degree, or bodies joined by CONTact with COHEsive')
@@ -86,7 +86,7 @@ contains
     mismatch%smaller = g
   end subroutine count_face
 
-  !> The beginning of a warning, such as: 4 faces of Q2 elements join faces of Q1
+  !> The beginning of a warning, such as: 4 faces of Q2 elements meet faces of Q1
   function text_of(mesh, faces, mismatch) result(text)
     type(mesh_t), intent(in) :: mesh
     type(faces_t), intent(in) :: faces
@@ -95,7 +95,8 @@ contains
 
     text = to_text(mismatch%n)//' faces of '
     if (mismatch%n == 1) text = '1 face of '
-    text = text//trim(mesh%block(faces%block(mismatch%larger))%name)//' elements join faces of ' &
+    text = text//trim(mesh%block(faces%block(mismatch%larger))%name)//' elements ' &
+           //trim(merge('meets', 'meet ', mismatch%n == 1))//' faces of ' &
            //trim(mesh%block(faces%block(mismatch%smaller))%name)
   end function text_of
 

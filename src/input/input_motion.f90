@@ -94,7 +94,7 @@ contains
         if (n == 0 .or. n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))) cycle
         if (.not. (lacks(id, bc%motion, i, j) .or. lacks(id, bc%motion, j, i))) cycle
         call warn('this MOVE and the one in line '//to_text(bc%motion(j)%place%line)//' give ' &
-                  //to_text(n)//' common nodes different motions, which are added there', &
+                  //to_text(n)//' common nodes different motions, which are added at these nodes', &
                   bc%motion(i)%place, 'leave directions free with *, or move the common nodes ' &
                   //'with one MOVE only')
       end do
@@ -144,16 +144,17 @@ contains
               n = count([(on(motion%node(j)) .and. moves(motion, xr(:, motion%node(j)), d), &
                           j=1, size(motion%node))])
               if (n == 0) cycle
-              text = ' in line '//to_text(motion%place%line)//' moves in direction '//to_text(d)
+              text = 'MOVE in line '//to_text(motion%place%line)//' prescribes direction ' &
+                     //to_text(d)//' of '
               if (size(motion%node) == size(support%node) .and. all(on(motion%node))) then
-                call note('MOVE'//text//' what FIX in line '//to_text(support%at%place%line) &
-                          //' restrains: the MOVE counts')
+                call note(text//'all nodes that FIX in line '//to_text(support%at%place%line) &
+                          //' restrains: MOVE takes precedence')
                 cycle
               end if
               hint = 'leave the direction free, in FIX with 0 or in MOVE with *'
               if (motion%rotates) hint = 'leave the direction free in FIX with 0'
-              call warn('FIX restrains '//to_text(n)//' nodes that MOVE'//text &
-                        //': the MOVE counts there', support%at%place, hint)
+              call warn(text//to_text(n)//' nodes that this FIX restrains: MOVE takes precedence ' &
+                        //'there', support%at%place, hint)
               exit search
             end do
           end associate

@@ -99,7 +99,7 @@ contains
     if (turned) then
       node = node(:, :, size(node, 3):1:-1)
       call log_line('NPATch    '//npatch_name(k)//' is left-handed: its direction 3 is reversed ' &
-                    //'internally; faces keep their names')
+                    //'internally, but faces keep their names')
     end if
     block%body = size(mesh%body) + 1
     body%name = npatch_name(k)

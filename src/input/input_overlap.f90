@@ -57,9 +57,9 @@ contains
         if (n > MOST_PAIRS) cycle
         call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap at the start, for ' &
                   //'example at ('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', ' &
-                  //to_text(x(3), 4)//'), and nothing joins them: they do not act on each other', &
-                  mesh%body(b)%place, 'check their positions and sizes; bodies that touch act on ' &
-                  //'each other with CONTact or TIE')
+                  //to_text(x(3), 4)//'), and nothing joins them, so they do not act on each ' &
+                  //'other', mesh%body(b)%place, 'check their positions and sizes; bodies that ' &
+                  //'touch act on each other only through CONTact or TIE')
       end do
     end do
     if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap at the ' &

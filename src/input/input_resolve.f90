@@ -91,9 +91,9 @@ contains
           if ((p%follower .neqv. q%follower) .or. abs(p%value - q%value) > 0.0_wp) cycle
           if (.not. abs(p%value) > 0.0_wp) cycle
           if (any(p%block /= q%block .or. p%elem /= q%elem .or. p%side /= q%side)) cycle
-          call warn('this PRESsure is given already in line '//to_text(q%place%line) &
-                    //': the face bears the sum of both', p%place, 'remove one of them, or give ' &
-                    //'the sum')
+          call warn('the same PRESsure is already given in line '//to_text(q%place%line) &
+                    //', so the face bears the sum of both', p%place, &
+                    'remove one of them, or give the sum in one record')
           return
         end associate
       end do

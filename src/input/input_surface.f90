@@ -161,9 +161,10 @@ contains
     whole = area_of(r%surface)
     if (loaded > 0.0_wp) then
       if (loaded < LEAST_SHARE*whole) then
-        call warn('the pressure acts on '//to_text(100*loaded/whole, 3)//' % of the area of its ' &
-                  //'surface only', r%place, 'it acts on whole outer faces of elements: give ' &
-                  //'a surface whose edges are edges of elements; or widen the search with GAP d')
+        call warn('the pressure acts on only '//to_text(100*loaded/whole, 3)//' % of the area of ' &
+                  //'its surface', r%place, 'a pressure acts on whole outer faces of elements: ' &
+                  //'give a surface whose edges are edges of elements, or widen the search with ' &
+                  //'GAP d')
       end if
     else if (ninner > 0) then
       call fail(error, DECK_ERROR, 'the surface lies inside a body: the '//to_text(ninner) &
@@ -171,7 +172,7 @@ contains
                 //'on the outer faces of a body; FORCe and EFORce load nodes inside')
     else
       call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'number its ' &
-                //'points 1 2 3 4 counter-clockwise as seen from outside; or widen the search ' &
+                //'points 1 2 3 4 counter-clockwise as seen from outside, or widen the search ' &
                 //'with GAP d')
     end if
   end subroutine load_surface

@@ -46,8 +46,8 @@ contains
     n = count(new /= [(i, i=1, mesh%nnode)])
     call log_line('TIE       joins '//to_text(n)//' nodes with others')
     if (n == 0) then
-      call warn('TIE joins no nodes', draft%tie(1)%place, 'no two of the nodes that TIE ' &
-                //'selects lie at the same place')
+      call warn('TIE joins no nodes', draft%tie(1)%place, &
+                'check the positions: no two of the nodes that TIE selects coincide')
     end if
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final

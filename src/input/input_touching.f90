@@ -87,11 +87,10 @@ contains
           call warn_seam(draft, mesh, skin, pair(p), double)
         else
           call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' touch over an area of ' &
-                    //'about '//to_text(maxval(area_of(pair(p))), 2)//' where nothing joins ' &
-                    //'them: they do not act on each other there', &
-                    place_of(draft, mesh, skin, pair(p)), &
-                    'TIE joins nodes at one position; CONTact between these faces lets them ' &
-                    //'press and slide, or bonds them with COHEsive')
+                    //'about '//to_text(maxval(area_of(pair(p))), 2)//', but nothing joins them, ' &
+                    //'so they do not act on each other there', &
+                    place_of(draft, mesh, skin, pair(p)), 'TIE joins coinciding nodes; CONTact ' &
+                    //'between these faces lets them press and slide, or bonds them with COHEsive')
         end if
       end associate
     end do
@@ -129,10 +128,10 @@ contains
     text = 'element faces of '//body_name(mesh, pair%body(1))//' touch over an area of about ' &
            //to_text(sum(pair%area)/2, 2)//' and are not joined'
     if (n > 0) then
-      text = text//': '//to_text(n)//' of their nodes lie where another node lies'
-      hint = 'TIE joins nodes at one position; without it, the body comes apart there'
+      text = text//', although '//to_text(n)//' of their nodes coincide with other nodes'
+      hint = 'join these nodes with TIE; otherwise the body comes apart there'
     else
-      hint = 'the body comes apart there: use meshes that match, and TIE'
+      hint = 'the body comes apart there: use meshes that match, and join them with TIE'
     end if
     call warn(text, place_of(draft, mesh, skin, pair), hint)
   end subroutine warn_seam

@@ -260,11 +260,12 @@ contains
         gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
         on = mesh%used .and. abs(x - place%x(1)) <= gap
       end associate
-      call warn_layers(mesh, place%direction, on, gap, place%place, 'name a face of a patch')
+      call warn_layers(mesh, place%direction, on, gap, place%place, &
+                       'name a face of a patch instead of the plane')
     end select
     on = on .and. mesh%used
     node = pack([(i, i=1, mesh%nnode)], on)
-    if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies there', place%place)
+    if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies at this place', place%place)
   end subroutine find_nodes
 
   !> Mark the nodes that belong to rigid bodies only.
@@ -323,8 +324,8 @@ contains
     away = norm2(mesh%xr(:, node) - place%x)
     extent = extent_of(mesh, mesh%used)
     if (away > extent) then
-      call fail(error, DECK_ERROR, far_text(node, away)//', which is more than the extent of ' &
-                //'the model, '//to_text(extent, 3), place%place, 'give a point of a body')
+      call fail(error, DECK_ERROR, far_text(node, away)//', more than the extent of the model (' &
+                //to_text(extent, 3)//')', place%place, 'give a point in or on a body')
     else
       call warn_far(mesh, place%x, node, place%place)
     end if
@@ -340,10 +341,10 @@ contains
     character(:), allocatable :: taken
 
     if (extent_of(mesh, on) <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return
-    taken = 'all are taken, which may clamp a rotation'
-    if (.not. all_near) taken = 'the first is taken'
-    call warn(to_text(count(on))//' nodes at different places are equally near to the point: ' &
-              //taken, place, 'move the point nearer to the node that is meant')
+    taken = 'all are selected, which may prevent a rotation'
+    if (.not. all_near) taken = 'the first is selected'
+    call warn(to_text(count(on))//' nodes at different places are equally near to the point; ' &
+              //taken, place, 'move the point closer to the intended node')
   end subroutine warn_between
 
   !> Warn about a point that is farther from its nearest node than this node is from the other nodes
@@ -370,8 +371,8 @@ contains
       end do
     end do
     if (away <= reach) return
-    call warn(far_text(node, away)//', which is more than the size of an element, ' &
-              //to_text(reach, 3), place, 'give a point of a body')
+    call warn(far_text(node, away)//', more than the size of an element ('//to_text(reach, 3) &
+              //')', place, 'give a point in or on a body')
   end subroutine warn_far
 
   function far_text(node, away) result(text)
@@ -403,10 +404,10 @@ contains
           do j = 1, i - 1
             x = abs(mesh%xr(:, node(i)) - mesh%xr(:, node(j)))
             if (x(direction) <= norm2(x)*BEHIND) cycle
-            call warn('the plane takes nodes '//to_text(node(j))//' and '//to_text(node(i)) &
-                      //' of one element, although one lies '//to_text(x(direction), 3) &
-                      //' behind the other: it takes nodes up to '//to_text(gap, 3)//' away', &
-                      place, hint)
+            call warn('the plane selects nodes '//to_text(node(j))//' and '//to_text(node(i)) &
+                      //' of the same element, although one lies '//to_text(x(direction), 3) &
+                      //' behind the other, because it selects nodes up to '//to_text(gap, 3) &
+                      //' away', place, hint)
             return
           end do
         end do
@@ -447,9 +448,9 @@ contains
         elem = group%face%elem
         side = group%face%side
         if (group%inner > 0) then
-          call fail(error, DECK_ERROR, 'surface elements of group '//quoted(group%name) &
-                    //' are not on the boundary of '//quoted(place%body)//' (' &
-                    //to_text(group%inner)//' of '//to_text(group%inner + size(elem))//')', &
+          call fail(error, DECK_ERROR, to_text(group%inner)//' of the ' &
+                    //to_text(group%inner + size(elem))//' surface elements of group ' &
+                    //quoted(group%name)//' are not on the boundary of '//quoted(place%body), &
                     place%face_place, 'loads and contact act on the boundary; these elements lie ' &
                     //'inside the body or on no element')
         else if (size(elem) == 0) then

@@ -56,7 +56,7 @@ contains
     logical :: more
     integer :: i
 
-    call check_count(record, 1, 1, 'BLOCk has no options; CARTesian r s t follows', error)
+    call check_count(record, 1, 1, 'BLOCk has no options; a record CARTesian r s t follows', error)
     if (.not. allocated(error)) call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then

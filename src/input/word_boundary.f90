@@ -141,7 +141,7 @@ contains
     call read_where(deck, record, i, p%at, error)
     if (allocated(error)) return
     if (p%at%type /= W_FACES .and. p%at%type /= W_GROUP) then
-      call fail(error, DECK_ERROR, 'a pressure needs a face of a patch or a group of a mesh', &
+      call fail(error, DECK_ERROR, 'PRESsure needs a face of a patch or a group of a mesh', &
                 p%at%place, USAGE//'; for elements of ELEMents use CSURface')
       return
     end if

@@ -156,19 +156,22 @@ contains
         call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no SURFaces', &
                   contact%place, 'give '//SURFACE_USAGE)
       else if (allocated(entry%bond_place%file) .and. .not. contact%cohesive%given) then
-        call fail(error, DECK_ERROR, 'BONDed without COHEsive', entry%bond_place, &
-                  'give the law of the bonds, COHEsive EXPOnential T0 g0, or remove BONDed')
+        call fail(error, DECK_ERROR, 'BONDed needs COHEsive, but this contact has none', &
+                  entry%bond_place, 'give the law of the bonds, for instance COHEsive ' &
+                  //'EXPOnential T0 g0, or remove BONDed')
       else if (contact%on_pair .and. .not. contact%cohesive%given) then
-        call fail(error, DECK_ERROR, 'PAIR without COHEsive', entry%pair_place, &
-                  'only bonded points have a partner: give COHEsive, or remove PAIR')
+        call fail(error, DECK_ERROR, 'PAIR needs COHEsive, but this contact has none', &
+                  entry%pair_place, 'only bonded points have a partner: give COHEsive, or remove ' &
+                  //'PAIR')
       else if (contact%scheme == MORTAR .and. (contact%cohesive%given .or. &
                                                contact%taper > 0.0_wp .or. contact%ncell > 1)) then
-        call fail(error, DECK_ERROR, 'SCHEme MORTar with COHEsive, BORDer or REFIne', &
-                  entry%scheme_place, 'these records need integration points: give SCHEme ' &
-                  //'BALAnced, or no SCHEme')
+        call fail(error, DECK_ERROR, 'SCHEme MORTar cannot be used together with COHEsive, ' &
+                  //'BORDer or REFIne', entry%scheme_place, &
+                  'these records need integration points: give SCHEme BALAnced, or no SCHEme')
       else if (contact%ncell > 1 .and. contact%cohesive%given) then
-        call fail(error, DECK_ERROR, 'REFIne with COHEsive', entry%refine_place, &
-                  'bonds cannot be refined: use more integration points, QUADrature n1 n2')
+        call fail(error, DECK_ERROR, 'REFIne cannot be used together with COHEsive', &
+                  entry%refine_place, 'remove REFIne, and use more integration points for the ' &
+                  //'bonds, QUADrature n1 n2')
       end if
     end associate
   end subroutine check_complete

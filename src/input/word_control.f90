@@ -76,9 +76,9 @@ contains
         call check_count(record, 2, 2, USAGE, error)
         if (.not. allocated(error)) call get_integer(deck, record, 2, n(i), error)
         if (allocated(error)) return
-        if (n(i) < 0) call fail(error, DECK_ERROR, record%text(1)//' is '//to_text(n(i)), &
-                                record%place(2), 'give a positive number, or 0 to let the ' &
-                                //'program count')
+        if (n(i) < 0) call fail(error, DECK_ERROR, record%text(1)//' must not be negative, found ' &
+                                //to_text(n(i)), record%place(2), &
+                                'give a positive number, or 0 to let the program count')
         if (i == NDM) draft%control%place = record%place(2)
         if (.not. allocated(error)) call deck%next_of_set(record, error)
         if (allocated(error)) return
@@ -92,9 +92,9 @@ contains
       if (.not. allocated(error)) call get_numbers(deck, record, 1, n(:record%n), error, 0)
       if (allocated(error)) return
       i = findloc(n < 0, .true., 1)
-      if (i > 0) call fail(error, DECK_ERROR, 'number '//to_text(i)//' of the control record is ' &
-                           //to_text(n(i)), record%place(i), 'give a positive number, or 0 to ' &
-                           //'let the program count')
+      if (i > 0) call fail(error, DECK_ERROR, 'number '//to_text(i)//' of the control record ' &
+                           //'must not be negative, found '//to_text(n(i)), record%place(i), &
+                           'give a positive number, or 0 to let the program count')
     end if
     if (allocated(error)) return
     associate (c => draft%control)
@@ -103,14 +103,14 @@ contains
       c%nummat = n(NUMMAT)
       c%nen = n(NEN)
       if (n(NDM) /= 3) then
-        call fail(error, DECK_ERROR, 'ndm is '//to_text(n(NDM)), c%place, &
-                  'only three dimensions are available: ndm = 3')
+        call fail(error, DECK_ERROR, 'expected ndm = 3, found '//to_text(n(NDM)), c%place, &
+                  'ndm is the number of dimensions; all models are three-dimensional')
       else if (n(NDF) /= 3) then
-        call fail(error, DECK_ERROR, 'ndf is '//to_text(n(NDF)), c%place, &
-                  'a node has three displacements: ndf = 3')
+        call fail(error, DECK_ERROR, 'expected ndf = 3, found '//to_text(n(NDF)), c%place, &
+                  'ndf is the number of dofs of a node, its three displacements')
       else if (n(NEN) > 27) then
-        call fail(error, DECK_ERROR, 'nen is '//to_text(n(NEN)), c%place, &
-                  'elements of ELEMents have up to 27 nodes')
+        call fail(error, DECK_ERROR, 'expected nen of at most 27, found '//to_text(n(NEN)), &
+                  c%place, 'nen is the largest number of nodes of an element of ELEMents')
       end if
     end associate
   end subroutine read_control

@@ -91,7 +91,7 @@ contains
       return
     else if (lower(curve%name) == 'tplot') then
       call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(curve%name), curve%place, &
-                'TPLOt writes a file of this name')
+                'choose another name: TPLOt writes a file of this name')
       return
     end if
     do i = 1, draft%ncurve
@@ -251,7 +251,7 @@ contains
     integer :: w
 
     usage = 'CONTact name side '
-    call check_count(line, 4, 10, usage//'FORCe direction, for instance', error)
+    call check_count(line, 4, 10, 'write, for instance, '//usage//'FORCe direction', error)
     if (.not. allocated(error)) call get_integer(deck, line, 3, column%quantity%side, error)
     if (allocated(error)) return
     column%contact = line%text(2)

@@ -215,9 +215,9 @@ contains
       call get_integer(deck, line, d + 2, set%nurbs_points(d), error, 0)
       if (allocated(error)) return
       if (set%nurbs_points(d) < 0 .or. set%nurbs_points(d) > MAX_POINT) then
-        call fail(error, DECK_ERROR, 'found '//to_text(set%nurbs_points(d)) &
-                  //' integration points', line%place(d + 2), &
-                  '1 to '//to_text(MAX_POINT)//' points in each direction')
+        call fail(error, DECK_ERROR, 'expected 1 to '//to_text(MAX_POINT)//' integration points, ' &
+                  //'found '//to_text(set%nurbs_points(d)), line%place(d + 2), &
+                  'NURB interp gives the numbers of points in the three directions')
         return
       end if
       if (set%nurbs_points(d) == 0) set%nurbs_points(d) = 5
@@ -308,8 +308,8 @@ contains
     end if
     if (given%volume_given) then
       if (.not. set%row%volumetric) then
-        call fail(error, DECK_ERROR, trim(set%row%name)//' has no choice of volumetric functions', &
-                  given%volume_place, 'remove VOLUme')
+        call fail(error, DECK_ERROR, trim(set%row%name)//' does not offer a choice of volumetric ' &
+                  //'functions', given%volume_place, 'remove VOLUme')
         return
       end if
       given%nvalue = given%nvalue + 1

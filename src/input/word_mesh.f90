@@ -131,8 +131,8 @@ contains
         patch%spec%type = 'Q1E9'
       case default
         call fail(error, DECK_ERROR, 'unknown element type '//quoted(line%text(2))//' of a MESH', &
-                  line%place(2), 'give Q1 or Q1E9 for its hexahedra of 8 nodes; the file gives ' &
-                  //'the type of other elements')
+                  line%place(2), 'TYPE is Q1 or Q1E9 and applies to hexahedra of 8 nodes; the ' &
+                  //'file gives the type of all other elements')
       end select
     case ('mate')
       call check_count(line, 2, 3, 'MATErial m [group]', error)

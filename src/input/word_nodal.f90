@@ -32,7 +32,8 @@ contains
     type(record_t) :: line
     integer :: n, step, last, last_step, code(3), i
 
-    call check_count(record, 1, 1, 'BOUNdary has no options; n g code1 code2 code3 follows', error)
+    call check_count(record, 1, 1, 'BOUNdary has no options; records n g code1 code2 code3 ' &
+                     //'follow', error)
     if (allocated(error)) return
     call note_order(draft, C_FIXED)
     n = 0
@@ -66,7 +67,8 @@ contains
     type(record_t) :: line
     integer :: n, step, last, last_step, number(3), i
 
-    call check_count(record, 1, 1, 'FPROportional has no options; n g k1 k2 k3 follows', error)
+    call check_count(record, 1, 1, 'FPROportional has no options; records n g k1 k2 k3 follow', &
+                     error)
     if (allocated(error)) return
     call note_order(draft, C_TABLE)
     n = 0
@@ -107,7 +109,8 @@ contains
     is_force = record%key(1) == 'forc'
     fields = 'n g u1 u2 u3'
     if (is_force) fields = 'n g f1 f2 f3'
-    call check_count(record, 1, 1, record%text(1)//' has no options; '//fields//' follows', error)
+    call check_count(record, 1, 1, record%text(1)//' has no options; records '//fields//' follow', &
+                     error)
     if (allocated(error)) return
     call note_order(draft, merge(C_FORCE, C_VALUE, is_force))
     n = 0

@@ -35,7 +35,8 @@ contains
     weighted = record%key(1) == 'nurb'
     fields = 'n g x y z'
     if (weighted) fields = fields//' w'
-    call check_count(record, 1, 1, record%text(1)//' has no options; '//fields//' follows', error)
+    call check_count(record, 1, 1, record%text(1)//' has no options; records '//fields//' follow', &
+                     error)
     if (allocated(error)) return
     n = 0
     step = 0
@@ -65,7 +66,7 @@ contains
       if (draft%nodes%given(n) .and. n /= last .and. .not. draft%node_twice) then
         draft%node_twice = .true.
         call warn('node '//to_text(n)//' is given twice; further such nodes are not reported', &
-                  line%place(1), 'the later record counts')
+                  line%place(1), 'the later record replaces the earlier one: remove one of them')
       end if
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)
       if (n == last) then
@@ -120,8 +121,8 @@ contains
       if (allocated(error)) return
       if (.not. more) then
         if (i == 4) exit ! a blank vector is zero (FEAP)
-        call fail(error, DECK_ERROR, 'TRANsform has '//to_text(i - 1)//' of its four records', &
-                  record%place(1), 'give three rows of the matrix, then the vector')
+        call fail(error, DECK_ERROR, 'TRANsform has only '//to_text(i - 1)//' of its four ' &
+                  //'records', record%place(1), 'give three rows of the matrix, then the vector')
         return
       end if
       call check_count(row, 1, 3, 'a row of TRANsform has three numbers', error)

@@ -133,7 +133,7 @@ contains
                   'remove it: a rigid body does not deform')
       else if (size(spec%enrich) > 0) then
         call fail(error, DECK_ERROR, 'rigid '//name//' has ENRIch', spec%enrich(1)%place, &
-                  'remove it: contact uses the geometry of a rigid patch itself')
+                  'remove it: contact uses the exact geometry of a rigid patch')
       else if (spec%q > 0) then
         call fail(error, DECK_ERROR, 'rigid '//name//' has QUADrature', spec%place, &
                   'remove it: a rigid surface has no integration points')
@@ -158,9 +158,9 @@ contains
         if (.not. allocated(error)) call get_numbers(deck, line, 2, n, error)
         do d = 1, 3
           if (allocated(error)) return
-          if (n(d) < 1) call fail(error, DECK_ERROR, 'found '//to_text(n(d)) &
-                                  //' elements in direction '//to_text(d), line%place(d + 1), &
-                                  'give at least 1 element')
+          if (n(d) < 1) call fail(error, DECK_ERROR, 'expected at least 1 element in direction ' &
+                                  //to_text(d)//', found '//to_text(n(d)), line%place(d + 1), &
+                                  'ELEMents n1 n2 n3')
           if (.not. allocated(error)) call set_number(line, d + 1, n(d), d, spec, error)
         end do
       case ('knot')
@@ -198,8 +198,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     if (spec%nelem(d) > 0 .and. spec%nelem(d) /= n) then
-      call fail(error, DECK_ERROR, 'ELEMents and KNOTs disagree in direction '//to_text(d), &
-                line%place(i), 'the KNOTs make '//to_text(size(spec%knots(d)%u) + 1)//' elements')
+      call fail(error, DECK_ERROR, 'ELEMents and KNOTs give different numbers of elements in ' &
+                //'direction '//to_text(d), line%place(i), 'the list of KNOTs makes ' &
+                //to_text(size(spec%knots(d)%u) + 1)//' elements')
     end if
     spec%nelem(d) = n
   end subroutine set_number
@@ -291,7 +292,7 @@ contains
         e%eas = .true.
       case ('tape')
         e%tapered = .true.
-        if (.not. e%eas) call fail(error, DECK_ERROR, 'TAPEred without EAS', line%place(i), USAGE)
+        if (.not. e%eas) call fail(error, DECK_ERROR, 'TAPEred needs EAS', line%place(i), USAGE)
       case default
         call fail(error, DECK_ERROR, 'unknown option '//quoted(line%text(i))//' of ENRIch', &
                   line%place(i), USAGE)

@@ -232,7 +232,7 @@ contains
       call check_count(line, 1, 4, 'SURFace code1 code2 code3', error)
       if (.not. allocated(error)) call get_values(deck, line, 2, r, error)
     else
-      call check_count(line, 1, 1, 'SURFace has no options; '//fields//' follows', error)
+      call check_count(line, 1, 1, 'SURFace has no options; records '//fields//' follow', error)
     end if
     if (allocated(error)) return
     allocate (r%surface(4, 9), source=0.0_wp)

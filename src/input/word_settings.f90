@@ -20,7 +20,8 @@ contains
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    call check_count(record, 1, 1, 'PARAmeters has no options; name = expression follows', error)
+    call check_count(record, 1, 1, 'PARAmeters has no options; records name = expression follow', &
+                     error)
     if (allocated(error)) return
     call read_parameters(deck, draft%row%name, draft%closed_line, error)
     if (.not. allocated(error)) draft%in_set = .false.
@@ -43,8 +44,8 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: USAGE = 'TIE, or TIE,,direction,coordinate, TIE,NODE,n1,n2, ' &
-                               //'TIE,MATErial,m1,m2'
+    character(*), parameter :: USAGE = 'write TIE, or TIE,,direction,coordinate, or ' &
+                               //'TIE,NODE,n1,n2, or TIE,MATErial,m1,m2'
     type(tie_entry_t) :: t
 
     call check_count(record, 1, 5, USAGE, error)
@@ -64,8 +65,8 @@ contains
       if (.not. allocated(error)) call get_integer(deck, record, 4, t%to, error)
       if (allocated(error)) return
       if (t%from < 1 .or. t%to < t%from) then
-        call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to '//to_text(t%to)//' are not ' &
-                  //'a range', record%place(3), 'TIE,NODE,first,last')
+        call fail(error, DECK_ERROR, 'nodes '//to_text(t%from)//' to '//to_text(t%to)//' do not ' &
+                  //'form a range', record%place(3), 'TIE,NODE,first,last')
       end if
     case ('mate')
       call get_numbers(deck, record, 3, t%material, error)

@@ -144,10 +144,10 @@ contains
         call fail(error, DECK_ERROR, name//' has no MATErial', spec%place, 'give MATErial m')
       else if (spec%spline%reverse) then
         call fail(error, DECK_ERROR, name//' has REVErse and LAYEr', spec%spline%reverse_place, &
-                  'remove REVErse: the inner nodes of the layer say which side is inside')
+                  'remove REVErse: the inner nodes of the layer determine which side is inside')
       else if (size(spec%placement) > 0) then
         call fail(error, DECK_ERROR, name//' has LAYEr and ROTAte or TRANslate', spec%place, &
-                  'remove ROTAte and TRANslate: the inner nodes say where the layer lies')
+                  'remove ROTAte and TRANslate: the inner nodes determine where the layer lies')
       end if
     end associate
   end subroutine check_complete

@@ -44,7 +44,7 @@ contains
       call prepare_newton(newton, model, symmetric, error)
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
-        //' MB for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
+        //' MB needed for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'
       allocate (mb(0))
       if (newton%system%estimate_mb() > WORTH_A_CHOICE) then
         call newton%system%list_memory(newton%asm%k, way, mb, error)

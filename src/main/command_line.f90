@@ -32,18 +32,18 @@ module command_line
   type(option_t), parameter :: &
     TABLE(11) = [ &
     option_t('-o', 'DIR', &
-             'folder of the results, made if absent (default: the working folder)'), &
+             'folder for the results, created if missing (default: the working folder)'), &
     option_t('--name', 'STEM', &
-             'name of the results (default: name of the deck without extension)'), &
+             'stem of the result file names (default: deck name without extension)'), &
     option_t('--set', 'name=value', 'set a parameter of the deck; may be repeated'), &
-    option_t('--check', '', 'read the deck, report sizes, memory and problems; solve nothing'), &
+    option_t('--check', '', 'read the deck and report sizes, memory and problems, without solving'), &
     option_t('--restart', 'FILE', 'continue from a checkpoint'), &
-    option_t('--threads', 'N', 'threads of the linear algebra'), &
+    option_t('--threads', 'N', 'number of threads of the linear algebra'), &
     option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after this wall time'), &
-    option_t('--quiet', '', 'no progress, warnings and summary on the screen'), &
+    option_t('--quiet', '', 'do not print progress, warnings or a summary on the screen'), &
     option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &
     option_t('--version', '', 'print the version'), &
-    option_t('--help', '', 'print this')]
+    option_t('--help', '', 'print this help')]
   character(9), parameter :: LISTS(4) = &
                              ['elements ', 'materials', 'contacts ', 'commands ']
   character(*), parameter :: USAGE = 'usage: bezel [options] deck', &
@@ -246,8 +246,8 @@ contains
   subroutine print_help()
     integer :: i
 
-    print '(a)', 'bezel: finite elements with enriched surfaces, in the manner of FEAP', '', &
-      USAGE, ''
+    print '(a)', 'bezel: finite-element analysis with enriched surfaces, in the language of FEAP', &
+      '', USAGE, ''
     do i = 1, size(TABLE)
       print '(2x, a24, 2x, a)', trim(TABLE(i)%name)//' '//TABLE(i)%value//repeat(' ', 24), &
         trim(TABLE(i)%help)

@@ -24,10 +24,10 @@ contains
 
     prop = 0.0_wp
     if (.not. value(1) > 0.0_wp) then
-      error = constant_error_t(1, "Young's modulus is "//to_text(value(1)), 'E is positive')
+      error = constant_error_t(1, "Young's modulus is "//to_text(value(1)), 'E must be positive')
     else if (.not. (value(2) > -1.0_wp .and. value(2) < 0.5_wp)) then
       error = constant_error_t(2, "Poisson's ratio is "//to_text(value(2)), &
-                               'nu lies between -1 and 0.5, ends excluded')
+                               'nu must lie between -1 and 0.5, both excluded')
     end if
     if (error%value > 0) return
     prop(E_MOD) = value(1)

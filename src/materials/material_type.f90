@@ -108,7 +108,7 @@ contains
     type(material_t), intent(in) :: law
     character(:), allocatable :: text
 
-    text = 'ELAStic '//trim(law%name)//' '//trim(law%numbers)//' / '
+    text = 'ELAStic '//trim(law%name)//' '//trim(law%numbers)//' with the record '
     if (.not. law%finite) then
       text = text//'SMALl'
     else if (law%volumetric) then

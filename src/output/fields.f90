@@ -96,7 +96,7 @@ contains
     case ('contact_friction')
       call set(3, 'F/L^2', 'frictional part of the contact traction, smoothed separately')
     case ('contact_gap')
-      call set(1, 'L', 'normal gap, smoothed; negative: penetration')
+      call set(1, 'L', 'normal gap, smoothed; negative where surfaces penetrate')
     case ('contact_slip')
       call set(3, 'L', 'elastic part of the tangential displacement, smoothed')
     case ('contact_state')

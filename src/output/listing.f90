@@ -56,8 +56,8 @@ contains
       call list_contact(model%contact(m))
     end do
     if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
-      call log_line('rigid     the deck has no CONTact: rigid patches move only the nodes tied ' &
-                    //'to them')
+      call log_line('rigid     the deck has no CONTact, so rigid patches move only the nodes ' &
+                    //'tied to them')
     end if
     call list_free_bodies(model)
     call warn_contacts(model)
@@ -104,13 +104,13 @@ contains
     do i = 1, size(model%bc%loose)
       select case (model%bc%loose_kind(i))
       case (LOOSE_ADDED)
-        call warn('a displacement is prescribed at a dof that MOVE moves too: the two are added', &
-                  model%bc%loose(i), hint='remove this record or the MOVE, so that one of them ' &
-                  //'prescribes the whole motion')
+        call warn('a displacement is prescribed at a dof that MOVE prescribes too, and the two ' &
+                  //'are added', model%bc%loose(i), hint='remove this record or the MOVE, so ' &
+                  //'that one of them prescribes the whole motion')
       case (LOOSE_MOVED)
-        call warn('a displacement is prescribed at a dof that MOVE holds, where it has no effect', &
-                  model%bc%loose(i), hint='remove this record, because MOVE prescribes the whole ' &
-                  //'motion; or replace the MOVE by FIX')
+        call warn('a displacement is prescribed at a dof that MOVE already prescribes, where it ' &
+                  //'has no effect', model%bc%loose(i), hint='remove this record, because MOVE ' &
+                  //'prescribes the whole motion, or replace the MOVE by FIX')
       case default
         call warn('a displacement is prescribed at a free dof, where it has no effect', &
                   model%bc%loose(i), hint='restrain it: BOUN, EBOU, CBOU or FIX')
@@ -126,7 +126,7 @@ contains
     if (.not. allocated(model%unread)) return
     do i = 1, size(model%unread)
       call warn(model%unread(i)%text, model%unread(i)%place, &
-                'give CONStraint in this block: without it the hanging nodes are free')
+                'add CONStraint to this block; without it, the hanging nodes are free')
     end do
   end subroutine warn_unread
 

@@ -52,8 +52,8 @@ contains
           text = text//' '//to_text(cohesive%prop(i))
         end do
         if (cohesive%law%option /= '') text = text//' '//trim(cohesive%law%option)
-        if (cohesive%tau > 0.0_wp) text = text//', viscous, time '//to_text(cohesive%tau)
-        call log_line('          '//text//', released at '//to_text(contact%released))
+        if (cohesive%tau > 0.0_wp) text = text//', viscous with time '//to_text(cohesive%tau)
+        call log_line('          '//text//', released at opening '//to_text(contact%released))
         call log_line('          '//trim(cohesive%law%source))
       end associate
     end if
@@ -135,9 +135,9 @@ contains
     end do
     load = load + force + all_sides%force
     load_moment = load_moment + moment + all_sides%moment
-    call log_line('supports: force'//vector(force)//', moment'//vector(moment) &
-                  //'; relative sum with contacts and loads'//ratio(load, all_sides%force_size/2) &
-                  //', of the moments'//ratio(load_moment, all_sides%moment_size/2))
+    call log_line('supports: force'//vector(force)//', moment'//vector(moment)//'; sum with ' &
+                  //'contacts and loads: relative force'//ratio(load, all_sides%force_size/2) &
+                  //', relative moment'//ratio(load_moment, all_sides%moment_size/2))
   end subroutine list_contacts
 
   !> The state of the points of both sides or, in self-contact, of the only side. The cells of the

@@ -292,7 +292,7 @@ contains
       call get_shape(archive%file, path, found(1), found(2), error)
       if (allocated(error)) return
       if (any(found /= [ncol, nrow])) then
-        call fail(error, SYSTEM_ERROR, ''''//path//''' does not have the size of the model')
+        call fail(error, SYSTEM_ERROR, ''''//path//''' does not match the size of the model')
       end if
     end if
   end subroutine prepare

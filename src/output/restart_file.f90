@@ -160,7 +160,7 @@ contains
         call exchange(archive, group//'/values', values, error)
         if (allocated(error)) call refuse_file(path, error)
       else
-        call fail(error, SYSTEM_ERROR, ''''//path//''' holds only one checkpoint')
+        call fail(error, SYSTEM_ERROR, ''''//path//''' contains only one checkpoint')
       end if
     end if
     call close_file(archive%file, second)

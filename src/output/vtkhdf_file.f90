@@ -114,7 +114,7 @@ contains
     if (same) same = all(field%name == result%names)
     if (.not. same) then
       call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first ' &
-                //'step', hint='give OUTPut its fields before the first PLOT')
+                //'step', hint='put OUTPut with all fields before the first PLOT')
       return
     end if
     k = count(result%number < step) + 1

@@ -71,8 +71,8 @@ contains
       if (path%trial) then
         call fail_trial(path)
         state%dynamics%on = path%active == BY_INERTIA
-        call log_line('  load control fails: '//why//'; the previous method continues, next ' &
-                      //'trial after '//to_text(path%wait)//' steps')
+        call log_line('  load control fails: '//why//'; the previous method continues, and load ' &
+                      //'control is tried again after '//to_text(path%wait)//' steps')
       else if (path%active == BY_RELEASE) then
         if (cut_release(path)) then
           call log_cut('releases '//to_text(100*path%release)//' % of the bonds')

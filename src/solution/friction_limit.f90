@@ -55,7 +55,7 @@ contains
       text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
              //'holds it: its loads along the contact are ' &
              //to_text(norm2(along)/dot_product(r, m), 3) &
-             //' times those normal to it, but friction bears only '//to_text(largest, 3)
+             //' times those normal to it, but friction bears at most '//to_text(largest, 3)
       return
     end do
   end function sliding_text

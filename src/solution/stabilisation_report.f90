@@ -38,7 +38,7 @@ contains
     do b = 1, size(hold%body)
       if (hold%moves == 0 .or. .not. norm2(hold%shift(:, b)) > 0.0_wp) cycle
       call note(start//hold%body(b)%name//' was moved by '//to_text(norm2(hold%shift(:, b)), 3) &
-                //' along '//direction_text(hold%shift(:, b))//' to where contact holds it')
+                //' along '//direction_text(hold%shift(:, b))//' until contact holds it')
     end do
     if (.not. allocated(anchors%dv)) return
     allocate (force(3, model%mesh%nnode), source=0.0_wp)
@@ -64,13 +64,12 @@ contains
     end do
     call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
     if (scale > 0.0_wp) load = load/scale
-    shares = '; springs prevent them and take '//percent(load)//' of the loads and ' &
+    shares = '; stabilising springs prevent this and take '//percent(load)//' of the loads and ' &
              //percent(share)//' of the work'
     if (rubs) then
-      call warn(start//'contact and friction do not become larger in some motions: '//names &
-                //shares, hint='friction bears its limit where all points slide, and no more: ' &
-                //'support the bodies against these motions, or use smaller steps, in which ' &
-                //'points stick')
+      call warn(start//'contact and friction do not resist some motions any further: '//names &
+                //shares, hint='where all points slide, friction has reached its limit: support ' &
+                //'the bodies against these motions, or use smaller steps, in which points stick')
     else
       call warn(start//'contact does not prevent motions along which no load acts: '//names &
                 //shares, hint='support the bodies against these motions, or add friction')

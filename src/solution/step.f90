@@ -270,8 +270,8 @@ contains
       hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
       if (step%control%automatic) hint = hint//' with a smaller dtmin'
       if (size(model%contact) > 0 .and. ncut > 1) then
-        hint = hint//'; if contact points alternate at an edge or where the gap is zero, no step ' &
-               //'is small enough: '
+        hint = hint//'; if contact points open and close in turn at an edge or where the gap is ' &
+               //'zero, no step is small enough: '
         if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
         hint = hint//'use UTAN,LINE,1 or NORMal ... SMOOth d'
       end if
@@ -289,8 +289,9 @@ contains
                                               //'add friction'
       end if
       if (len(slides) > 0) then
-        hint = 'support the body against this motion with FIX or MOVE, or give more friction; ' &
-               //'smaller steps do not help beyond the load that friction bears'
+        hint = 'support the body against this motion with FIX or MOVE, or give a larger ' &
+               //'coefficient of friction; smaller steps do not help beyond the load that ' &
+               //'friction can bear'
         slides = '; '//slides
       end if
     end associate
@@ -323,7 +324,7 @@ contains
     if (allocated(error)) return
     if (pass%ok .and. step%control%automatic) then
       if (flies_off(model, state)) then
-        pass%trouble = 'a body that is not held has moved far away'
+        pass%trouble = 'a body that nothing holds has moved far away'
         pass%ok = .false.
       else if (.not. step%newton%converged) then
         pass%trouble = 'no convergence'
@@ -415,9 +416,9 @@ contains
         if (total%unstable) then
           call log_line(text)
         else
-          call warn(text//'; later unstable states are only in the log', hint='possible causes: ' &
-                    //'hourglassing (ENHAnced in compression), buckling, a limit point; look at ' &
-                    //'the deformed shape')
+          call warn(text//'; later unstable states are reported only in the log', &
+                    hint='possible causes: hourglassing (ENHAnced in compression), buckling, a ' &
+                    //'limit point; look at the deformed shape')
         end if
         total%unstable = .true.
       end if
