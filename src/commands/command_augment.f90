@@ -55,7 +55,7 @@ contains
     end if
     if (run%program%dry) then
       if (.not. is_followed(run%program)) then
-        call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent in its step', &
+        call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent within the same step', &
                   command%record%place(1), 'inside the loop with TIME, enclose both the Newton ' &
                   //'loop and AUGMent in LOOP,augment,n')
       end if

@@ -76,7 +76,7 @@ contains
     run%files%kept = run%state%step
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
-    call log_line('changed since that analysis: '//changed)
+    call log_line('changed since the analysis that wrote the checkpoint: '//changed)
   end subroutine run_restart
 
   !> Take the rates from the checkpoint, but all else from the TRANsient and MASS of this deck. Warn

@@ -60,7 +60,7 @@ contains
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: defined(:)
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: HINT = 'give them one load number with FPROportional'
+    character(*), parameter :: HINT = 'give these nodes the same load number with FPROportional'
     character(:), allocatable :: text
     logical :: warned
     integer :: d, n

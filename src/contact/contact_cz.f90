@@ -39,7 +39,7 @@ contains
 
     row = describe()
     row%option = 'IRREversible'
-    row%source = 'exponential, unloading to the origin; envelope Corbett and Sauer 2015, eq. (31)'
+    row%source = 'envelope of Corbett and Sauer 2015, eq. (31); unloading to the origin'
     row%oriented = .true.
     row%cohesive => irreversible_law
   end function irreversible

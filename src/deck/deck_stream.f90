@@ -289,11 +289,12 @@ contains
     if (index(value, lower(name)) > 0 .or. line == record%line) return
     if (earlier /= name) then
       call warn(quoted(name)//' and '//quoted(earlier)//' are the same parameter, because case ' &
-                //'is ignored', record%place(1), 'the value of line '//to_text(line) &
-                //' is replaced from here on; use another name')
+                //'is ignored', record%place(1), 'this value replaces that of line ' &
+                //to_text(line)//' from here on; if another parameter is meant, use another name')
     else if (line >= deck%set_line .and. line < record%line) then
       call warn('parameter '//quoted(name)//' is set twice in one PARAmeter', record%place(1), &
-                'it replaces the value of line '//to_text(line)//' from here on')
+                'this value replaces that of line '//to_text(line)//' from here on: remove one ' &
+                //'of them')
     end if
   end subroutine warn_of_name
 

@@ -20,7 +20,7 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row = element_t(name='SURFACE', source='rigid spline surface, prescribed motion', &
+    row = element_t(name='SURFACE', source='rigid spline surface with prescribed motion', &
                     spline=.true., rule=set_rule, functions=functions, topology=set_topology)
   end function describe
 

@@ -117,12 +117,13 @@ contains
     last = len(text%all)
     text%at = 0
     if (n == 0 .and. len(others) > 0) then
-      call fail_in_file(text, 'the file has no '//what//', only'//others, error, hint)
+      call fail_in_file(text, 'the file has no '//what//', only geometries of type'//others, &
+                        error, hint)
     else if (n == 0) then
       call fail_in_file(text, 'the file has no geometry', error, hint)
     else if (first == 0) then
       call fail_in_file(text, 'the file has no '//what//' '//quoted(trim(name)), error, &
-                        'the file has'//found)
+                        'ids of the'//plural//' in the file:'//found)
     else if (ntaken > 1) then
       call fail_in_file(text, 'the file has '//to_text(ntaken)//plural//' with the id ' &
                         //quoted(trim(name)), error, 'give each of them its own id')

@@ -58,7 +58,7 @@ contains
       if (allocated(error)) return
       do b = 1, size(draft%block)
         draft%block(b)%name = 'RIGId'
-        draft%block(b)%row%source = 'rigid surface, prescribed motion'
+        draft%block(b)%row%source = 'rigid surface with prescribed motion'
         nullify (draft%block(b)%row%form, draft%block(b)%row%form_batch)
       end do
     else

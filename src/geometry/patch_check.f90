@@ -102,7 +102,7 @@ contains
             .and. e%raise <= MAX_DEGREE - e%degree) cycle
         call fail(error, DECK_ERROR, 'the face has order '//to_text(e%degree)//' with RAISe ' &
                   //to_text(e%raise), e%place, 'orders must be from 1 to '//to_text(MAX_DEGREE) &
-                  //' after RAISe')
+                  //', before and after RAISe')
       end associate
       return
     end do
@@ -115,7 +115,7 @@ contains
       if (spec%enrich(i)%degree == degree) cycle
       call fail(error, DECK_ERROR, "the faces of hemisphere '"//spec%name//"' have orders " &
                 //to_text(degree)//' and '//to_text(spec%enrich(i)%degree), spec%enrich(i)%place, &
-                'a hemisphere is one spline: give its faces the same order')
+                'the faces of a hemisphere belong to one spline: give them the same order')
       return
     end do
   end subroutine hemisphere_degree
@@ -203,10 +203,9 @@ contains
                 //' are both enriched but share their only layer of elements', b%place, &
                 'give at least 2 elements in direction '//to_text(axis))
     else if (a%degree /= b%degree .or. a%raise /= b%raise) then
-      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
-                //' share an edge but have orders '//to_text(a%degree)//' RAISe ' &
-                //to_text(a%raise)//' and '//to_text(b%degree)//' RAISe '//to_text(b%raise), &
-                b%place, &
+      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face)//' share an ' &
+                //'edge but have orders '//to_text(a%degree)//' (RAISe '//to_text(a%raise) &
+                //') and '//to_text(b%degree)//' (RAISe '//to_text(b%raise)//')', b%place, &
                 'their common edge is one curve: give both faces the same order and RAISe')
     end if
   end subroutine check_pair

@@ -401,8 +401,8 @@ contains
           else if (column%quantity%id == Q_CONTACT_DEBONDED .and. &
                    .not. draft%contact(c)%contact%cohesive%given) then
             call fail(error, DECK_ERROR, 'contact '//quoted(column%contact)//' has no COHEsive', &
-                      column%contact_place, 'DEBOnded is the released fraction of the bonds ' &
-                      //'of a contact')
+                      column%contact_place, 'DEBOnded is the released fraction of bonds: name a ' &
+                      //'contact with COHEsive')
           else
             cycle
           end if

@@ -36,7 +36,8 @@ module command_line
     option_t('--name', 'STEM', &
              'stem of the result file names (default: deck name without extension)'), &
     option_t('--set', 'name=value', 'set a parameter of the deck; may be repeated'), &
-    option_t('--check', '', 'read the deck and report sizes, memory and problems, without solving'), &
+    option_t('--check', '', &
+             'read the deck and report sizes, memory and problems, without solving'), &
     option_t('--restart', 'FILE', 'continue from a checkpoint'), &
     option_t('--threads', 'N', 'number of threads of the linear algebra'), &
     option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after this wall time'), &
@@ -246,14 +247,16 @@ contains
   subroutine print_help()
     integer :: i
 
-    print '(a)', 'bezel: finite-element analysis with enriched surfaces, in the language of FEAP', &
+    print '(a)', &
+      'bezel: finite-element analysis with enriched surfaces, for decks in the language of FEAP', &
       '', USAGE, ''
     do i = 1, size(TABLE)
       print '(2x, a24, 2x, a)', trim(TABLE(i)%name)//' '//TABLE(i)%value//repeat(' ', 24), &
         trim(TABLE(i)%help)
     end do
-    print '(a)', '', 'exit codes: 0 done, 1 deck, 2 no solution, 3 library, memory or disk, ' &
-      //'4 stopped with a checkpoint'
+    print '(a)', '', &
+      'exit codes: 0 done, 1 error in the deck or the options, 2 no solution found, 3 error of', &
+      'a library, of memory or of the disk, 4 stopped with a checkpoint, 70 error in the program'
   end subroutine print_help
 
 end module command_line

@@ -125,7 +125,7 @@ contains
         nrow = int(shape(n))
         if (n == 2) ncol = int(shape(1))
       else
-        call refuse(file, 'cannot use the size of '''//name//''' in', error)
+        call refuse(file, 'cannot handle the size of '''//name//''' in', error)
       end if
     end if
     call h5sclose_f(space, status)

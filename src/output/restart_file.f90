@@ -175,7 +175,7 @@ contains
     logical, intent(in), optional :: any_deck
     logical, intent(in), optional :: constants
     character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
-                               //'values of that analysis'
+                               //'values of the analysis that wrote it'
     character(*), parameter :: SIZE_OF(4) = ['nodes         ', 'element blocks', &
                                              'elements      ', 'equations     ']
     type(error_t), allocatable :: ignored

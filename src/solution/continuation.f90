@@ -248,8 +248,8 @@ contains
                   //'ARCLength,OFF in the deck the run would end here')
       end if
       call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
-      call log_line('path: continues with inertia, implicit Euler steps, density ' &
-                    //to_text(dynamics%density)//' in units of force, length and TIME')
+      call log_line('path: continues with inertia (implicit Euler steps, density ' &
+                    //to_text(dynamics%density)//' in units of force, length and TIME)')
     end associate
   end function adds_inertia
 

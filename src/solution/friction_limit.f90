@@ -54,8 +54,8 @@ contains
       if (.not. atan2(norm2(along), dot_product(r, m)) > spread + atan(largest) + MORE) cycle
       text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
              //'holds it: its loads along the contact are ' &
-             //to_text(norm2(along)/dot_product(r, m), 3) &
-             //' times those normal to it, but friction bears at most '//to_text(largest, 3)
+             //to_text(norm2(along)/dot_product(r, m), 3)//' times those normal to it, but ' &
+             //'friction bears at most '//to_text(largest, 3)//' times the normal loads'
       return
     end do
   end function sliding_text

@@ -397,7 +397,7 @@ contains
       call name_singularity(model, state, pass%solve%null, pass%trouble, pass%hopeless)
     else if (.not. pass%solve%converged) then
       pass%ok = .false.
-      pass%trouble = 'the tangent is so nearly singular that its system cannot be solved'
+      pass%trouble = 'the tangent is so nearly singular that the system cannot be solved'
     end if
   end subroutine name_trouble
 

@@ -38,7 +38,7 @@ contains
     do b = 1, size(hold%body)
       if (hold%moves == 0 .or. .not. norm2(hold%shift(:, b)) > 0.0_wp) cycle
       call note(start//hold%body(b)%name//' was moved by '//to_text(norm2(hold%shift(:, b)), 3) &
-                //' along '//direction_text(hold%shift(:, b))//' until contact holds it')
+                //' along '//direction_text(hold%shift(:, b))//' until contact held it')
     end do
     if (.not. allocated(anchors%dv)) return
     allocate (force(3, model%mesh%nnode), source=0.0_wp)
@@ -67,7 +67,7 @@ contains
     shares = '; stabilising springs prevent this and take '//percent(load)//' of the loads and ' &
              //percent(share)//' of the work'
     if (rubs) then
-      call warn(start//'contact and friction do not resist some motions any further: '//names &
+      call warn(start//'contact and friction offer no further resistance to some motions: '//names &
                 //shares, hint='where all points slide, friction has reached its limit: support ' &
                 //'the bodies against these motions, or use smaller steps, in which points stick')
     else

@@ -280,8 +280,8 @@ contains
       end if
       if (turns_back(step%newton)) then
         hint = 'Newton''s iteration alternates between two states of contact whose tangents have ' &
-               //'determinants of opposite sign: the load path turns back here, and smaller ' &
-               //'steps do not help; a softer penalty may help'
+               //'determinants of opposite sign: the load path turns back here, so that ' &
+               //'smaller steps do not help, but a softer penalty may'
       end if
       if (pass%solve%singular .or. pass%hopeless) then
         hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'

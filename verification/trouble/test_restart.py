@@ -50,14 +50,16 @@ class Restart(Folder):
         done = self.continued("way=0.2")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn(
-            "changed since that analysis: the loads and prescribed motions\n",
+            "changed since the analysis that wrote the checkpoint: the loads and prescribed motions\n",
             (self.at / "next.log").read_text(),
         )
 
     def test_constants_change_only_by_a_word(self):
         done = self.continued("e=200", word=",CONStants")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("analysis: the constants of materials", (self.at / "next.log").read_text())
+        self.assertIn(
+            "wrote the checkpoint: the constants of materials", (self.at / "next.log").read_text()
+        )
         (self.at / "next.log").unlink()
         self.refused(self.continued("lz=2", word=",CONStants"), "the coordinates of nodes")
         self.refused(self.continued(word=",all"), "expected CONStants, found 'all'")
