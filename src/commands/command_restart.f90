@@ -101,8 +101,8 @@ contains
     associate (list => run%program%command)
       stops = stops .and. .not. any([(list(i)%record%key(1) == 'tran', i=1, size(list))])
     end associate
-    if (stops) call warn('the checkpoint holds a motion with inertia, but this deck has no ' &
-                         //'TRANsient: the run continues without inertia', &
+    if (stops) call warn('the checkpoint contains a motion with inertia, but this deck has no ' &
+                         //'TRANsient, so the run continues without inertia', &
                          command%record%place(1), 'put TRANsient among the commands to continue ' &
                          //'the motion, or TRANsient,OFF to end it')
   end subroutine keep_integration

@@ -185,7 +185,7 @@ contains
       associate (side => contact%side(k))
         if (mesh%block(side%block(1))%row%name /= 'SURFACE') cycle ! not a rigid spline
         hint = 'REVErse in SPLIne,'//side%name(:index(side%name, ' ') - 1)//' reverses its ' &
-               //'normal; if it is right, '//hint
+               //'normal; if the normal is right, '//hint
         return
       end associate
     end do

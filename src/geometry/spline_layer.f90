@@ -33,7 +33,7 @@ contains
       call next_line(text)
       if (words_left(text) == 0) exit
       if (words_left(text) /= 5) then
-        call fail_in_file(text, 'expected a record of 5 numbers, found ' &
+        call fail_in_file(text, 'expected 5 numbers in a record, found ' &
                           //to_text(words_left(text)), error, &
                           'a record consists of an element of the surface and its four inner nodes')
         return

@@ -393,9 +393,9 @@ contains
         end do
         if (acts .or. .not. any(on)) cycle
         call warn('the load numbers of this record have no effect: no node on the plane has a ' &
-                  //'nodal force or displacement in these directions', r%place, 'give them, for ' &
-                  //'instance with EFORce, CSURface, FORCe or EDISplacement; PRESsure and MOVE ' &
-                  //'have their own PROP k')
+                  //'nodal force or displacement in these directions', r%place, 'give a force or ' &
+                  //'displacement there, for instance with EFORce, FORCe or EDISplacement; ' &
+                  //'PRESsure and MOVE have their own PROP k')
       end associate
     end do
   end subroutine warn_idle_numbers

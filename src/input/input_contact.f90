@@ -156,10 +156,9 @@ contains
     if (.not. contact%self .and. common_faces(contact%side(1), contact%side(2)) > 0) then
       call fail(error, DECK_ERROR, quoted(contact%side(1)%name)//' and ' &
                 //quoted(contact%side(2)%name)//' of contact '//quoted(contact%name)//' have ' &
-                //to_text(common_faces(contact%side(1), contact%side(2)))//' common element ' &
-                //'faces', at(2)%face_place, &
-                'give two surfaces without a common face; for self-contact give ' &
-                //'the same surface twice')
+                //to_text(common_faces(contact%side(1), contact%side(2)))//' element faces in ' &
+                //'common', at(2)%face_place, 'give two surfaces without a common face; for ' &
+                //'self-contact give the same surface twice')
       return
     end if
     n = real(product(contact%ngauss), wp)*maxval(contact%side%nelem)

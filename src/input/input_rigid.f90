@@ -84,7 +84,8 @@ contains
         bc%fixed(:, node) = max(bc%fixed(:, node), 1)
         if (any(abs(bc%value(:, node)) > 0.0_wp)) then
           call fail(error, DECK_ERROR, 'a displacement is prescribed on the rigid patch ' &
-                    //quoted(name), model%mesh%body(b)%place, 'move it with MOVE,'//name//',ALL')
+                    //quoted(name), model%mesh%body(b)%place, 'move the patch with MOVE,'//name &
+                    //',ALL')
           call draft%errors%add(error)
         end if
         do m = 1, draft%nmotion

@@ -287,7 +287,8 @@ contains
         call get_integer(deck, line, i, e%raise, error)
         if (allocated(error)) return
         if (e%raise < 0) call fail(error, DECK_ERROR, 'RAISe '//to_text(e%raise)//' is negative', &
-                                   line%place(i), 'RAISe t raises the order by t, 0 or more')
+                                   line%place(i), 'RAISe t raises the order by t, which must be ' &
+                                   //'0 or more')
       case ('eas')
         e%eas = .true.
       case ('tape')
