@@ -138,7 +138,9 @@ contains
     call finish_solved_step(run, rewound, error)
     if (allocated(error) .or. rewound) return
     associate (dynamics => run%state%dynamics)
-      if (.not. (off .or. dynamics%on)) call new_dynamics(dynamics, run%model%mesh%nnode)
+      if (.not. (off .or. dynamics%on .or. continues_motion(run))) then
+        call new_dynamics(dynamics, run%model%mesh%nnode)
+      end if
       dynamics%on = .not. off
       if (off) return
       dynamics%density = -1.0_wp
@@ -152,6 +154,18 @@ contains
       if (run%step%open) call set_rates(dynamics, run%state%dt)
     end associate
   end subroutine run_tran
+
+  !> Has RESTart read the rates of a motion, and has no step been closed since?
+  pure logical function continues_motion(run) result(yes)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    yes = allocated(run%files%kept) .and. allocated(run%state%dynamics%v)
+    if (yes) yes = run%files%kept == run%state%step
+    associate (list => run%program%command)
+      yes = yes .and. any([(list(i)%record%key(1) == 'rest', i=1, size(list))])
+    end associate
+  end function continues_motion
 
   !> Close the current step if a system was solved in it, because the inertia of this step follows
   !! from earlier commands. `rewound` is true if the step is repeated.
