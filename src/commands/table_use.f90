@@ -7,7 +7,7 @@ module table_use
   use base_text, only: to_text
   use boundary, only: boundary_t, place_of_number
   use command_type, only: run_t
-  use load_curve, only: load_factor, load_table_t, table_factor
+  use load_curve, only: load_factor, load_table_t, table_factor, next_extremum
   implicit none
   private
   public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, watch_tables_end
@@ -168,6 +168,7 @@ contains
           do k = 1, size(state%table)
             if (uses(u)%table /= 0 .and. uses(u)%table /= k) cycle
             call watch_corners(run, k)
+            call watch_extremum(run, k)
             if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
             plan%ended(k) = has_ended(state%table(k), state%time)
             if (plan%ended(k)) call warn('load table '//to_text(k)//' ends at time ' &
@@ -241,6 +242,30 @@ contains
       end do
     end associate
   end subroutine watch_corners
+
+  !> Warn about an extremum of the sine of a formula that lies inside the step and is missed by more
+  !! than a tenth of the amplitude.
+  subroutine watch_extremum(run, k)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: k
+    real(wp), parameter :: MISSED = 0.1_wp
+    real(wp) :: ends(2), peak, time
+
+    associate (state => run%state, table => run%state%table(k))
+      if (run%plan%corner_warned .or. .not. state%dt > 0.0_wp) return
+      time = next_extremum(table, state%time - state%dt)
+      if (.not. time < state%time) return
+      ends = [table_factor(table, state%time - state%dt), table_factor(table, state%time)]
+      peak = table_factor(table, time)
+      if (max(peak - maxval(ends), minval(ends) - peak) <= MISSED*abs(table%a(3))) return
+      run%plan%corner_warned = .true.
+      call warn('load table '//to_text(k)//' reaches '//to_text(peak)//' at time ' &
+                //to_text(time)//', inside step '//to_text(state%step)//', which ends at ' &
+                //to_text(state%time)//' with the factor '//to_text(ends(2)), &
+                run%program%command(run%program%prop_at(k))%record%place(1), &
+                'choose DT so small that a period of the sine has at least ten steps')
+    end associate
+  end subroutine watch_extremum
 
   !> At the end of a run, warn about loads whose factor was zero in all steps.
   subroutine watch_tables_end(run)

@@ -3,7 +3,7 @@ module load_curve
   use base_kinds, only: wp
   implicit none
   private
-  public :: load_table_t, table_factor, table_slope, load_factor, next_corner
+  public :: load_table_t, table_factor, table_slope, load_factor, next_corner, next_extremum
 
   !> A factor p that depends on the time t. Kind 0: p = t, if the deck gives only a blank record;
   !! kind 1: FEAP's formula; kind 2: linear interpolation between pairs (t, p), constant before the
@@ -38,6 +38,29 @@ contains
       end select
     end do
   end function next_corner
+
+  !> The first time after `time` at which the sine of a formula (kind 1) has a maximum or a minimum,
+  !! or at which an even power of it is zero; huge if there is none.
+  elemental real(wp) function next_extremum(table, time) result(extremum)
+    type(load_table_t), intent(in) :: table
+    real(wp), intent(in) :: time
+    real(wp), parameter :: QUARTER = 0.5_wp*acos(-1.0_wp)
+    real(wp) :: from, past, phase, rate
+    integer :: n, period                   ! quarters of a period
+
+    extremum = huge(extremum)
+    if (table%kind /= 1 .or. .not. abs(table%a(3)*table%a(4)) > 0.0_wp) return
+    rate = abs(table%a(4))                 ! the sine of the opposite angle has the same extrema
+    phase = sign(1.0_wp, table%a(4))*table%a(5)
+    period = merge(1, 2, mod(max(table%power, 1), 2) == 0)
+    from = max(time, table%tmin)
+    past = from + 8*epsilon(from)*abs(from)
+    n = floor((rate*(past - table%tmin) + phase)/QUARTER) + 1
+    if (modulo(n, 2) == 0) n = n + period - 1
+    extremum = table%tmin + (n*QUARTER - phase)/rate
+    if (extremum <= past) extremum = extremum + period*QUARTER/rate
+    if (extremum > table%tmax) extremum = huge(extremum)
+  end function next_extremum
 
   !> Factor of one load table at a given time.
   pure function table_factor(table, time) result(factor)

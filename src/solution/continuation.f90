@@ -12,7 +12,7 @@ module continuation
                                opens_again, cut_arc, constrain_release, constrain_arc, &
                                is_all_released
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
-  use load_curve, only: next_corner
+  use load_curve, only: next_corner, next_extremum
   use inertia, only: mass_t, find_masses, energy_of_rate
   use model, only: model_t, state_t
   use solution_state, only: open_step, factor_slopes
@@ -51,7 +51,8 @@ contains
         call constrain_release(constraint, model, state, &
                                path%release*bonded_area(model, state), limit)
       else
-        to = next_time(step%control, state%time, left, next_corner(state%table, state%time))
+        to = next_time(step%control, state%time, left, next_corner(state%table, state%time), &
+                       minval(next_extremum(state%table, state%time)))
       end if
     end associate
     call open_step(state, to)

@@ -57,12 +57,14 @@ contains
   end subroutine set_auto
 
   !> Time at the end of the next step; `left` targets remain in the loop, this one included. An
-  !! automatic step ends at the next corner of a load table, or at the last target before it.
-  function next_time(control, time, left, corner) result(to)
+  !! automatic step ends at the next corner of a load table, or at the last target before it. If it
+  !! passes several targets, it ends at the last one before the next extremum of a table.
+  function next_time(control, time, left, corner, extremum) result(to)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
     integer, intent(in) :: left
     real(wp), intent(in), optional :: corner !! corner of a load table; absent: there is none
+    real(wp), intent(in), optional :: extremum !! of a sine of a load table; absent: there is none
     real(wp) :: to, gap
     integer :: nstep
 
@@ -72,6 +74,13 @@ contains
       control%passed = max(1, min(left, int(control%size/control%dt*(1 + epsilon(1.0_wp)*8))))
     end if
     to = control%origin + (control%target + control%passed)*control%dt
+    if (present(extremum) .and. control%passed > 1) then
+      if (extremum < to) then
+        control%passed = max(1, int((extremum - control%origin)/control%dt + NEARLY) &
+                             - control%target)
+        to = control%origin + (control%target + control%passed)*control%dt
+      end if
+    end if
     if (present(corner)) call end_at_corner(control, corner, to)
     gap = to - time
     if (control%automatic) then
