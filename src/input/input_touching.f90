@@ -1,6 +1,7 @@
 !> Finds faces of elements that touch each other but are joined neither by common nodes nor by a
 !! contact. The bodies do not act on each other there, or a body comes apart, and nothing else in
-!! the results shows this.
+!! the results shows this. Faces of splines that have common nodes but different functions come
+!! apart, too; input_mismatch finds such faces of other elements.
 module input_touching
   use base_error, only: place_t
   use base_kinds, only: wp
@@ -10,6 +11,7 @@ module input_touching
   use contact_pair, only: contact_t, surface_t
   use contact_surface, only: gather_faces
   use input_draft, only: draft_t
+  use input_joined, only: is_joined, is_held, differ, find_rigid_nodes
   use input_skin, only: body_name
   use mesh, only: mesh_t, is_rigid
   use mesh_boundary, only: find_outer_faces
@@ -38,6 +40,8 @@ module input_touching
     type(shape_t) :: shape
     integer, allocatable :: body(:)    !! (nelem) body of each face; 0: the elements have none
     logical, allocatable :: rigid(:)   !! (nelem)
+    logical, allocatable :: spline(:)  !! (nelem)
+    integer, allocatable :: rigid_body(:) !! (nnode) the rigid body of each node; 0: none
     real(wp), allocatable :: width(:)  !! (nelem) largest extent of a face [L]
     real(wp), allocatable :: depth(:)  !! (nelem) depth of the element behind a face [L]
     integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: sides of the face
@@ -54,6 +58,9 @@ module input_touching
     real(wp) :: area(2) = 0.0_wp       !! area of each body that touches the other one [L^2]
     real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
     logical :: overlaps = .false.      !! elements overlap at some points that touch
+    real(wp) :: unlike(2) = 0.0_wp     !! area of each body with common nodes that join it to
+    !! the other one only in part [L^2]
+    integer :: unlike_face(2) = 0      !! two faces there; the second one may be rigid
   end type pair_t
 
 contains
@@ -68,18 +75,23 @@ contains
     type(skin_t) :: skin
     type(pair_t), allocatable :: pair(:)
     logical, allocatable :: double(:) ! (nnode) another node, not joined, lies at the same position
-    integer :: n, p, npair
+    integer :: m, n, p, npair
 
     call make_skin(mesh, contact, skin)
     if (skin%surface%nelem < 2) return
     call find_pairs(mesh, skin, pair, npair, double)
+    m = 0
     n = 0
     do p = 1, npair
       associate (a => pair(p)%body(1), b => pair(p)%body(2))
-        if (.not. any(pair(p)%area > 0.0_wp) .and. .not. pair(p)%overlaps) cycle
         if (a > 0) then
           if (told(a, b)) cycle
         end if
+        if (any(pair(p)%unlike > 0.0_wp)) then
+          m = m + 1
+          if (m <= MOST_PAIRS) call warn_unlike(draft, mesh, skin, pair(p))
+        end if
+        if (.not. any(pair(p)%area > 0.0_wp) .and. .not. pair(p)%overlaps) cycle
         n = n + 1
         if (n > MOST_PAIRS) then
           cycle
@@ -94,9 +106,39 @@ contains
         end if
       end associate
     end do
+    if (m > MOST_PAIRS) call warn(to_text(m - MOST_PAIRS)//' more pairs of bodies share nodes ' &
+                                  //'that join them only in part')
     if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies touch where ' &
                                   //'nothing joins them')
   end subroutine warn_touching
+
+  !> Warn about faces that share nodes and come apart between them.
+  subroutine warn_unlike(draft, mesh, skin, pair)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    type(pair_t), intent(in) :: pair
+    character(:), allocatable :: area
+
+    area = ' over an area of about '//to_text(maxval(pair%unlike), 2)
+    associate (e => pair%unlike_face(1), f => pair%unlike_face(2), s => skin%surface)
+      if (skin%rigid(f)) then
+        call warn('the rigid body '//body_name(mesh, skin%body(f))//' holds only some of the ' &
+                  //'nodes of '//trim(mesh%block(s%block(e))%name)//' elements of ' &
+                  //body_name(mesh, skin%body(e))//area, place_of(draft, mesh, skin, pair), &
+                  'the bodies come apart there: move this face with MOVE and without TIE, or use ' &
+                  //'a rigid body with a node at each node of the face')
+      else
+        call warn(body_name(mesh, skin%body(e))//' and '//body_name(mesh, skin%body(f)) &
+                  //' share nodes'//area//' where the functions of their elements, ' &
+                  //trim(mesh%block(s%block(e))%name)//' and ' &
+                  //trim(mesh%block(s%block(f))%name)//', differ', &
+                  place_of(draft, mesh, skin, pair), 'the bodies come apart between these nodes, ' &
+                  //'and the results are wrong: use equal elements, or CONTact with COHEsive ' &
+                  //'instead of TIE')
+      end if
+    end associate
+  end subroutine warn_unlike
 
   !> The area of each body that touches the other body [L^2]. If elements overlap in some places,
   !! the surfaces are curved.
@@ -166,6 +208,8 @@ contains
     call update_shape(skin%surface, mesh%xr, skin%shape)
     skin%body = mesh%block(block)%body
     skin%rigid = is_rigid(mesh%block(block))
+    skin%spline = mesh%block(block)%row%spline
+    call find_rigid_nodes(mesh, skin%rigid_body)
     skin%width = maxval(skin%shape%high - skin%shape%low, dim=1)
     call find_depths(mesh, skin)
     call mark_sides(mesh, contact, skin)
@@ -296,7 +340,8 @@ contains
     integer, intent(out) :: npair
     logical, allocatable, intent(out) :: double(:)
     logical, allocatable :: hangs(:)
-    real(wp) :: x(3), a(3, 2), b(3, 3), area(3), gap
+    real(wp) :: xi(2), x(3), a(3, 2), b(3, 3), area(3), gap
+    logical :: unlike
     integer :: e, f, i, k, p
 
     allocate (pair(8), double(mesh%nnode))
@@ -308,13 +353,17 @@ contains
       do e = 1, s%nelem
         if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle ! masters join a hanging node
         do k = 0, NPOINT**2 - 1
-          call surface_point(s, skin%shape, e, (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) &
-                             - 1.0_wp, x, a, b)
+          xi = (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) - 1.0_wp
+          call surface_point(s, skin%shape, e, xi, x, a, b)
           area = cross(a(:, 1), a(:, 2))*(2.0_wp/NPOINT)**2
-          call find_face(skin, e, x, area, f, gap)
+          call find_face(skin, e, xi, x, area, f, gap, unlike)
           if (f == 0) cycle
           if (any(hangs(s%node(s%first(f):s%first(f + 1) - 1)))) cycle
           call find_pair(skin%body(e), skin%body(f), f, pair, npair, p)
+          if (unlike) then
+            call count_unlike(merge(1, 2, skin%body(e) == pair(p)%body(1)), pair(p))
+            cycle
+          end if
           call count_point(merge(1, 2, skin%body(e) == pair(p)%body(1)), pair(p))
           if (skin%body(e) == skin%body(f)) call mark_double(mesh, skin, e, f, double)
         end do
@@ -336,21 +385,35 @@ contains
       pair%area(k) = pair%area(k) + norm2(area)
     end subroutine count_point
 
+    !> Count a point of side k between common nodes.
+    subroutine count_unlike(k, pair)
+      integer, intent(in) :: k
+      type(pair_t), intent(inout) :: pair
+
+      pair%unlike(k) = pair%unlike(k) + norm2(area)
+      if (pair%unlike_face(1) > 0) return
+      pair%unlike_face = merge([e, f], [f, e], skin%rigid(f) .or. k == 1 .and. .not. skin%rigid(e))
+    end subroutine count_unlike
+
   end subroutine find_pairs
 
   !> Find the face that touches a point of face e. There is none (f = 0) if one of the faces that
-  !! touch the point is joined to face e.
-  subroutine find_face(skin, e, x, area, f, gap)
+  !! touch the point is joined to face e there.
+  subroutine find_face(skin, e, xi, x, area, f, gap, unlike)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)         !! parameters of the point in face e
     real(wp), intent(in) :: x(3), area(3) !! the point, and the outward normal there
     integer, intent(out) :: f
     real(wp), intent(out) :: gap          !! [L] negative: the point is behind the face
-    real(wp) :: reach, g
+    logical, intent(out) :: unlike        !! they have common nodes, but come apart at this point
+    real(wp) :: reach, g, eta(2)
+    logical :: joined, apart
     integer :: i, m, other
 
     f = 0
     gap = huge(gap)
+    unlike = .false.
     m = number_of(skin, bucket(skin, x))
     do i = skin%first(m), skin%first(m + 1) - 1
       other = skin%face(i)
@@ -363,26 +426,56 @@ contains
       end if
       if (any(x < skin%shape%low(:, other) - reach)) cycle
       if (any(x > skin%shape%high(:, other) + reach)) cycle
-      call measure(skin, other, x, area, g)
+      call measure(skin, other, x, area, g, eta)
       if (abs(g) > reach) cycle
-      if (is_joined(skin%surface, e, other) .or. in_contact(skin, e, other)) then
+      call compare(skin, e, xi, other, eta, joined, apart)
+      if (joined .or. in_contact(skin, e, other)) then
         f = 0
+        unlike = .false.
         return
       end if
-      if (abs(g) >= abs(gap)) cycle
+      if (unlike .and. .not. apart) cycle
+      if ((unlike .eqv. apart) .and. abs(g) >= abs(gap)) cycle
       gap = g
       f = other
+      unlike = apart
     end do
   end subroutine find_face
 
+  !> Do common nodes join two faces at a point of both, or do the faces have common nodes and come
+  !! apart at this point? The functions of a face do not matter if all its nodes are those of a
+  !! rigid body.
+  subroutine compare(skin, e, xi, f, eta, joined, apart)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e, f
+    real(wp), intent(in) :: xi(2), eta(2) !! parameters of the point in the two faces
+    logical, intent(out) :: joined, apart
+
+    associate (s => skin%surface)
+      apart = is_joined(s, e, f)
+      if (skin%rigid(f)) then
+        joined = is_held(s, e, skin%rigid_body, skin%body(f))
+      else if (skin%rigid(e)) then
+        joined = is_held(s, f, skin%rigid_body, skin%body(e))
+      else
+        joined = apart
+        if (joined .and. (skin%spline(e) .or. skin%spline(f))) then
+          joined = .not. differ(s, e, xi, f, eta)
+        end if
+      end if
+      apart = apart .and. .not. joined
+    end associate
+  end subroutine compare
+
   !> Find the gap between a point and a face, by Newton's method within the face. It is huge if the
   !! closest point of the face is not opposite this point.
-  subroutine measure(skin, f, x, area, gap)
+  subroutine measure(skin, f, x, area, gap, xi)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: f
     real(wp), intent(in) :: x(3), area(3)
     real(wp), intent(out) :: gap
-    real(wp) :: xi(2), y(3), a(3, 2), b(3, 3), m(2, 2), r(2), step(2), det, n(3)
+    real(wp), intent(out) :: xi(2)        !! parameters of the closest point
+    real(wp) :: y(3), a(3, 2), b(3, 3), m(2, 2), r(2), step(2), det, n(3)
     integer :: it
 
     gap = huge(gap)
@@ -403,19 +496,6 @@ contains
     gap = dot_product(x - y, n)/norm2(n)
     if (norm2(x - y) > 2*abs(gap) + TOUCHING*skin%width(f)) gap = huge(gap)
   end subroutine measure
-
-  !> Do all nodes of one of two faces belong to the other face too?
-  pure logical function is_joined(s, e, f)
-    type(surface_t), intent(in) :: s
-    integer, intent(in) :: e, f
-    integer :: i
-
-    associate (own => s%node(s%first(e):s%first(e + 1) - 1), &
-               other => s%node(s%first(f):s%first(f + 1) - 1))
-      is_joined = all([(any(other == own(i)), i=1, size(own))])
-      if (.not. is_joined) is_joined = all([(any(own == other(i)), i=1, size(other))])
-    end associate
-  end function is_joined
 
   !> Are two faces on the two sides of a contact?
   pure logical function in_contact(skin, e, f)
