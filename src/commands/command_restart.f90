@@ -6,7 +6,7 @@ module command_restart
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
   use command_type, only: run_t, command_t, command_row_t, new_row
-  use dynamics_type, only: dynamics_t
+  use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
   use model, only: state_t
   use named_values, only: named_values_t
@@ -79,8 +79,9 @@ contains
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
   end subroutine run_restart
 
-  !> Take the rates from the checkpoint, but all else from the TRANsient and MASS of this deck. Warn
-  !! if the checkpoint is from dynamics and this deck has no TRANsient.
+  !> Take the rates of a motion from the checkpoint, but all else from the TRANsient and MASS of
+  !! this deck. After static steps a motion begins from rest. Warn if the checkpoint is from
+  !! dynamics and this deck has no TRANsient.
   subroutine keep_integration(run, command, deck)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -90,6 +91,7 @@ contains
 
     associate (dynamics => run%state%dynamics)
       stops = dynamics%on .and. dynamics%density < 0.0_wp ! otherwise the continuation added inertia
+      if (allocated(dynamics%v) .and. .not. stops) call new_dynamics(dynamics, size(dynamics%v, 2))
       dynamics%on = deck%on
       dynamics%method = deck%method
       dynamics%lumped = deck%lumped

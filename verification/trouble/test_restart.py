@@ -94,6 +94,29 @@ class Restart(Folder):
             for found, wanted in zip(row[-2:], end[of], strict=True):
                 self.assertAlmostEqual(float(found), wanted, 7)
 
+    def test_a_motion_after_a_static_checkpoint_begins_from_rest(self):
+        """It equals the motion after the same static steps in one deck."""
+        still = self.deck.replace("VOLUme 3", "VOLUme 3\n    DENSity 1")
+        still = still.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 10 PROP 1")
+        still = still.replace("a 3- 3", "a 3- 3\n  DISP a 3+ 3\n  BOOK KINEtic")
+        batch = still.split("BATCh\n")[1]
+        loop = batch[batch.index("  LOOP,time") : batch.index("END")]
+        motion = "  TRANsient,NEWMark\n" + loop.replace("time,10", "time,3")
+        decks = {
+            "box": still,
+            "whole": still.replace(loop, loop + motion),
+            "next": still.replace(loop, "  RESTart,box.restart.h5\n" + motion),
+        }
+        end = {}
+        for name, deck in decks.items():
+            (self.at / f"{name}.inp").write_text(deck)
+            done = self.run_bezel(f"{name}.inp")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            row = (self.at / f"{name}_force.dat").read_text().splitlines()[-1].split()
+            end[name] = [float(word) for word in row[-3:]]
+        for found, wanted in zip(end["next"], end["whole"], strict=True):
+            self.assertAlmostEqual(found, wanted, 9)
+
     def test_another_mesh_file_is_refused(self):
         mesh = self.at / "mesh.inc"
         mesh.write_text("  BOX 0 0 0  1 1 lz\n")
