@@ -2,7 +2,7 @@
 module command_solve
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_log, only: log_line, progress
+  use base_log, only: log_line, progress, warn
   use base_system, only: wall_seconds
   use base_text, only: to_text
   use command_step, only: open_step_here, take_outcome
@@ -15,6 +15,8 @@ module command_solve
   implicit none
   private
   public :: solve_rows
+
+  real(wp), parameter :: LOOSE = 1.0e-6_wp !! tolerance of TOL above which a warning is issued
 
 contains
 
@@ -227,6 +229,12 @@ contains
       return
     end if
     run%step%newton%tolerance = command%x(1)
+    if (run%program%dry .and. command%x(1) > LOOSE) then
+      call warn('TOL is '//to_text(command%x(1))//', a ratio of energies: steps may be accepted ' &
+                //'in which displacements are wrong by '//to_text(100*sqrt(command%x(1)), 2) &
+                //' %, and contact forces by far more', command%record%place(3), &
+                'write TOL,,1.e-16, which is the default')
+    end if
   end subroutine run_tolerance
 
   subroutine run_factor(run, command, error)

@@ -134,7 +134,8 @@ contains
       end do
       if (any(bc%table > 0)) return ! FPRO or EPRO give all load numbers of nodes, even if 0
       if (any(abs(bc%force) > 0.0_wp)) then
-        call say('FORCe', hint=OWN//'FPROportional or EPROportional')
+        call say('a nodal force (FORCe, EFORce, CFORce or CSURface)', &
+                 hint=OWN//'FPROportional or EPROportional')
       end if
       if (any(abs(bc%value) > 0.0_wp .and. bc%fixed /= 0)) then
         call say('DISPlacement', hint=OWN//'FPROportional or EPROportional')
