@@ -114,7 +114,7 @@ class Verify(Scratch):
         self.assertEqual(self.run_verify(expect, "--all"), (1, "0 passed, 2 failed"))
         self.assertEqual(self.run_verify(expect, "--study")[1], "2 passed, 0 failed")
         lines = (self.case / "results.csv").read_text().splitlines()
-        self.assertEqual(lines[1:3], ["kind,n,dofs,f,error", "Q1,1,135,-0.25,-5.000000e-01"])
+        self.assertEqual(lines[1:3], ["kind,n,dofs,f,error", "Q1,1,135,-0.25,-5.0000e-01"])
         self.assertEqual(self.run_verify(expect + "shrink = 0.5\n"), (0, "2 passed, 0 failed"))
 
     @unittest.skipUnless(importlib.util.find_spec("h5py"), "h5py is not installed")

@@ -95,14 +95,14 @@ contains
     end do
   end subroutine begin_contact
 
-  !> Set the share of the secants in the derivatives of friction (see add_friction).
-  pure subroutine set_secant(work, weight)
+  !> Choose whether the derivatives of friction are secants (see add_friction).
+  pure subroutine set_secant(work, secant)
     type(contact_work_t), intent(inout) :: work(:)
-    real(wp), intent(in) :: weight
+    logical, intent(in) :: secant
     integer :: c
 
     do c = 1, size(work)
-      work(c)%element%secant = weight
+      work(c)%element%secant = secant
     end do
   end subroutine set_secant
 

@@ -15,7 +15,7 @@ module contact_point
   implicit none
   private
   public :: point_t, traction_derivatives_t, vary_projection, vary_normal, traction_at, &
-            add_friction, mix_secant, inverse, outer, energy_at_rest
+            add_friction, secant_of_friction, inverse, outer, energy_at_rest
 
   !> A distance that is smaller than this, relative to the tangents, has no meaningful direction.
   real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
@@ -55,7 +55,7 @@ contains
   pure subroutine traction_at(contact, foot, secant, point, dt)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: foot
-    real(wp), intent(in) :: secant   !! see add_friction
+    logical, intent(in) :: secant    !! see add_friction
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(out) :: dt
     type(traction_derivatives_t) :: dn
@@ -87,7 +87,7 @@ contains
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! derivatives of the normal point%n
     real(wp), intent(in) :: dpdx(3)  !! dp/dx, which is the opposite of dp/dx_p
-    real(wp), intent(in) :: secant   !! share w of the secant in the derivatives of the law
+    logical, intent(in) :: secant    !! use the secant of the law where it slips
     type(point_t), intent(inout) :: point
     type(traction_derivatives_t), intent(inout) :: dt
     real(wp) :: y(3), d(3), yn, t(3), dtdd(3, 3), dtdp(3), project(3, 3), dddn(3, 3)
@@ -99,7 +99,7 @@ contains
       d = y - yn*n
       call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
                                          dtdp, point%elastic, point%state)
-      if (secant > 0.0_wp .and. point%state == SLIP) call mix_secant(secant, d, t, dtdd, dtdp)
+      if (secant .and. point%state == SLIP) call secant_of_friction(d, t, dtdd, dtdp)
       point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
       point%friction = t
       point%t = point%t + t
@@ -120,21 +120,20 @@ contains
     end associate
   end subroutine add_friction
 
-  !> Mix the derivatives of a frictional traction t with its secant, -|t|/|d| 1. The secant has a
-  !! stiffness along the slip and does not vary with the pressure.
-  pure subroutine mix_secant(w, d, t, dtdd, dtdp)
-    real(wp), intent(in) :: w              !! share of the secant
+  !> Secant of a frictional traction, -|t|/|d| 1. In contrast to the tangent, it has a stiffness
+  !! along the slip and does not vary with the pressure.
+  pure subroutine secant_of_friction(d, t, dtdd, dtdp)
     real(wp), intent(in) :: d(3), t(3)     !! [L], [F/L^2]
-    real(wp), intent(inout) :: dtdd(3, 3), dtdp(3)
+    real(wp), intent(out) :: dtdd(3, 3), dtdp(3)
     integer :: i
 
-    dtdp = (1.0_wp - w)*dtdp
-    dtdd = (1.0_wp - w)*dtdd
+    dtdp = 0.0_wp
+    dtdd = 0.0_wp
     if (.not. norm2(d) > 0.0_wp) return
     do i = 1, 3
-      dtdd(i, i) = dtdd(i, i) - w*norm2(t)/norm2(d)
+      dtdd(i, i) = -norm2(t)/norm2(d)
     end do
-  end subroutine mix_secant
+  end subroutine secant_of_friction
 
   !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
   !! face: its pressure decreases to zero between `full` and twice that depth, and its energy

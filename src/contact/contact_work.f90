@@ -24,7 +24,7 @@ module contact_work
   !! its points face. A slot is the position of a partner in the list.
   type :: work_t
     integer :: nk = 0                          !! nodes of the element
-    real(wp) :: secant = 0.0_wp                !! share w of the secants of friction
+    logical :: secant = .false.                !! derivatives of friction are secants
     integer :: npartner = 0
     integer, allocatable :: partner(:)         !! elements of the other side
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]

@@ -253,7 +253,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)
-    real(wp), intent(in) :: secant           !! share w of the secants of friction
+    logical, intent(in) :: secant            !! derivatives of friction are secants
     type(block_matrix_t), intent(inout) :: a
     real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of the sum of w N g [L^2]
     real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces due to a unit pressure [L^2]
@@ -300,7 +300,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, c
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
-    real(wp), intent(in) :: secant           !! share w of the secants, which omit dt/dp
+    logical, intent(in) :: secant            !! omit dt/dp
     integer, intent(in) :: at(:)             !! (nnode) column of a node
     real(wp), intent(out) :: slope(:, :), rows(:, :) !! (3, nodes) [L^2]
     real(wp) :: psi(size_of_element(contact%side(k)))
@@ -331,7 +331,7 @@ contains
           end do
           call vary_normal(cells%foot(i), xp, n, dn)
           t = n
-          if (side%state(i) == SLIP) t = n + (1.0_wp - secant)*side%friction(:, i)/side%p(i)
+          if (side%state(i) == SLIP .and. .not. secant) t = n + side%friction(:, i)/side%p(i)
           do j = 1, nk
             l = at(own%node(own%first(e) + j - 1))
             slope(:, l) = slope(:, l) + w*side%shp(j, i)*n

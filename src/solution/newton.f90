@@ -20,7 +20,7 @@ module newton
   use newton_type, only: newton_t, pass_t
   use predictor, only: predict
   use prescribed, only: to_prescribed
-  use secant_friction, only: begin_secant, adapt_secant
+  use secant_friction, only: begin_secant, adapt_secant, accelerate
   use solution_state, only: accept_iteration
   use stabilisation, only: begin_stabilisation, find_unheld, use_springs, find_flight, &
                            release_loaded, find_reach, add_springs, remove_springs, &
@@ -53,7 +53,7 @@ contains
     call begin_secant(newton%secant, secant .and. .not. newton%constraint%on)
     if (allocated(newton%asm%contact)) then
       call begin_contact(newton%asm%contact)
-      call set_secant(newton%asm%contact, newton%secant%weight)
+      call set_secant(newton%asm%contact, newton%secant%tangent)
     end if
     newton%has_moved = .false.
     newton%converged = .false.
@@ -207,6 +207,10 @@ contains
       newton%converged = .not. loaded
     end if
     if (newton%secant%on) then
+      if (.not. moved .and. newton%secant%count > 1) then
+        call accelerate(newton%secant, newton%dx)
+        call full_vector(model%eq, newton%dx, du)
+      end if
       call step_by(state, du, 1.0_wp)
     else if ((searches .or. needs_line_search(newton, model)) .and. .not. moved) then
       call search_line(newton%asm, model, state, newton%dx, du, &
@@ -366,9 +370,9 @@ contains
       call multiply(newton%asm%k, newton%move, force)
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
-    if (newton%secant%on) then           ! the next tangent has the new weight
+    if (newton%secant%on) then           ! this affects the next tangent
       call adapt_secant(newton%secant, pass%residual)
-      call set_secant(newton%asm%contact, newton%secant%weight)
+      call set_secant(newton%asm%contact, newton%secant%tangent)
     end if
     do
       if (newton%hold%springs) call add_springs(newton%hold, newton%asm%k)

@@ -1,39 +1,51 @@
-!> Secants of friction: the last resort for a step that Newton's iteration does not solve, however
+!> Secants of friction: the last means for a step that Newton's iteration does not solve, however
 !! small the step is.
 !!
-!! If friction alone holds a body (a stack of blocks under a dead load), all its points may slip in
-!! one iterate. The tangent of a slipping point has no stiffness along the slip, so the next
-!! increment is far too long, and the iteration passes from one state to the next for ever. The
-!! problem scales with the load, so smaller steps do not help. At the points that slip, an attempt
-!! with secants replaces the derivatives of the frictional traction t with respect to the tangential
-!! displacement d and the pressure p by
+!! If friction alone holds a body (a block on a slope, a stack of blocks under a dead load), all its
+!! points may slip in one iterate. The tangent of a slipping point has no stiffness along the slip,
+!! so the next increment is far too long, and the iteration passes from one state to the next
+!! forever. The problem scales with the load, so smaller steps do not help. An attempt with secants
+!! replaces the derivatives of the frictional traction t with respect to the tangential displacement
+!! d and the pressure p, at the points that slip:
 !!
-!!   (1 - w) dt/dd - w |t|/|d| 1   and   (1 - w) dt/dp,
+!!   dt/dd -> -|t|/|d| 1,  dt/dp -> 0.
 !!
-!! where 1 is the unit matrix. With w = 1 and a fixed friction limit, this is Kacanov's iteration,
-!! which always decreases the energy but converges slowly; with w = 0 it is Newton's iteration. The
-!! first increment has w = 0, because friction cannot act before contact has found pressures. The
-!! next one has w = 1. From then on, w is halved as long as the residual decreases, and becomes
-!! larger if the residual increases. Neither the residual nor the equilibrium changes.
+!! For a fixed friction limit this is the iteration of Kacanov, which always decreases the energy,
+!! but converges slowly. Anderson's acceleration makes it fast: with the increment dx_k that the
+!! system gives after k increments, and the increments s_j that were taken, the next one is
 !!
-!! Source: Han, Jensen and Shimansky 1997 [bib: han1997]
+!!   s_k = dx_k - sum_j c_j (dx_(j+1) - dx_j + s_j),
+!!
+!! where c minimises |dx_k - sum_j c_j (dx_(j+1) - dx_j)| over the last DEPTH increments. Secants
+!! and acceleration change only the way of the iteration; residual and equilibrium are those of the
+!! model.
+!! Source: Han, Jensen and Shimansky 1997 [bib: han1997]; Walker and Ni 2011 [bib: walker2011]
 module secant_friction
   use base_kinds, only: wp
+  use lapack, only: dgesv
   implicit none
   private
-  public :: secant_t, begin_secant, adapt_secant
+  public :: secant_t, begin_secant, adapt_secant, accelerate
 
-  real(wp), parameter :: GROWN = 1.1_wp    !! ratio of residuals above which the residual has grown
-  real(wp), parameter :: UP = 4.0_wp, DOWN = 0.5_wp !! factors of w
+  !> If the residual grows by this factor, the acceleration starts again without earlier increments.
+  real(wp), parameter :: GROWN = 1.1_wp
   !> The secants end at this residual, relative to the largest one of the step.
-  real(wp), parameter :: SMALL = 1.0e-3_wp
+  real(wp), parameter :: SMALL = 1.0e-7_wp
   integer, parameter :: MOST = 100         !! largest number of increments with secants in a step
+  integer, parameter :: DEPTH = 6
+  real(wp), parameter :: REGULAR = 1.0e-12_wp !! relative addition to the diagonal of the normal
+  !! equations for c
 
   type :: secant_t
     logical :: on = .false.                !! the next increment has secants
-    integer :: count = 0                   !! increments of this step with secants
-    real(wp) :: weight = 0.0_wp            !! w, the share of the secants in the next tangent
+    integer :: count = 0                   !! number of increments with secants in this step
+    logical :: tangent = .false.           !! the next tangent is formed with secants
     real(wp), private :: last = 0.0_wp, largest = 0.0_wp !! residuals [F]
+    !> Earlier increments, of which the first column is the latest.
+    integer, private :: known = 0          !! number of columns in use
+    real(wp), allocatable, private :: change(:, :) !! (neq, DEPTH) dx_(j+1) - dx_j [L]
+    real(wp), allocatable, private :: taken(:, :) !! (neq, DEPTH) s_j [L]
+    real(wp), allocatable, private :: last_dx(:) !! (neq) dx_(k-1), if there is one [L]
   end type secant_t
 
 contains
@@ -46,22 +58,54 @@ contains
     secant%on = on
   end subroutine begin_secant
 
-  !> Choose w for the next tangent, or end the secants.
+  !> Decide whether the next increment and the next tangent have secants. The first tangent has
+  !! none, because friction cannot act before contact has found pressures.
   pure subroutine adapt_secant(secant, residual)
     type(secant_t), intent(inout) :: secant
-    real(wp), intent(in) :: residual       !! residual at the current displacements [F]
+    real(wp), intent(in) :: residual       !! at the current displacements [F]
 
     secant%largest = max(secant%largest, residual)
-    if (secant%count == 0) then
-      secant%weight = 1.0_wp
-    else
-      secant%weight = merge(min(1.0_wp, UP*secant%weight), DOWN*secant%weight, &
-                            residual > GROWN*secant%last)
+    if (secant%count > 0) then
       secant%on = residual > SMALL*secant%largest .and. secant%count < MOST
-      if (.not. secant%on) secant%weight = 0.0_wp
+      if (residual > GROWN*secant%last .and. allocated(secant%last_dx)) then
+        deallocate (secant%last_dx)
+        secant%known = 0
+      end if
     end if
+    secant%tangent = secant%on
     secant%last = residual
     secant%count = secant%count + 1
   end subroutine adapt_secant
+
+  !> Replace the increment of the linear system by the accelerated one.
+  subroutine accelerate(secant, dx)
+    type(secant_t), intent(inout) :: secant
+    real(wp), intent(inout) :: dx(:)       !! (neq) [L]
+    real(wp), allocatable :: new(:)
+    real(wp) :: a(DEPTH, DEPTH), c(DEPTH)
+    integer :: i, info, n, pivot(DEPTH)
+
+    if (.not. allocated(secant%change)) then
+      allocate (secant%change(size(dx), DEPTH), secant%taken(size(dx), DEPTH))
+    end if
+    new = dx
+    if (allocated(secant%last_dx)) then
+      n = min(DEPTH, secant%known + 1)
+      secant%known = n
+      secant%change(:, 2:n) = secant%change(:, :n - 1)
+      secant%change(:, 1) = dx - secant%last_dx
+      a(:n, :n) = matmul(transpose(secant%change(:, :n)), secant%change(:, :n))
+      do i = 1, n
+        a(i, i) = (1.0_wp + REGULAR)*a(i, i)
+      end do
+      c(:n) = matmul(dx, secant%change(:, :n))
+      call dgesv(n, 1, a, DEPTH, pivot, c, DEPTH, info)
+      if (info == 0) new = dx - matmul(secant%change(:, :n) + secant%taken(:, :n), c(:n))
+    end if
+    secant%last_dx = dx
+    dx = new
+    secant%taken(:, 2:) = secant%taken(:, :DEPTH - 1)
+    secant%taken(:, 1) = dx
+  end subroutine accelerate
 
 end module secant_friction
