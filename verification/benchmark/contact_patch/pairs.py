@@ -83,7 +83,8 @@ def pair(low, high, curves):
         block(a, -1, ("0.4", "0.3 0.7"), TYPES[low], "3+")
         + block(b, 0, ("0.3 0.5", "0.55"), TYPES[high], "3-")
         + f"FIX,{a},3-  0 0 1\nMOVE,{b},3+  TRANslate * * -0.2  PROP 1\n\n"
-        + f"CONTact,{name}\n  SURFaces {b} 3-  {a} 3+\n  NORMal PENAlty eps\n  QUADrature q q\n\n"
+        + f"CONTact,{name}\n  SURFaces {b} 3-  {a} 3+\n  SCHEme HALFpass\n"
+        + "  NORMal PENAlty eps\n  QUADrature q q\n\n"
     )
 
 
