@@ -34,7 +34,7 @@ FUNCTIONS = {
 
 
 def evaluate(text, table, values):
-    """The value of the formula `text`, whose names are columns (or their beginnings) and FUNCTIONS.
+    """The value of the formula `text`, whose names are those of columns (or prefixes of them) and FUNCTIONS.
 
     `values` are the parameters that the check sets. A column is an array over the rows, so the
     formula must choose a row or reduce all rows to one number.

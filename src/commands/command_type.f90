@@ -31,8 +31,8 @@ module command_type
     integer :: row = 0                          !! row in the table of commands
     type(record_t) :: record
     integer :: matching = 0                     !! LOOP: its NEXT; NEXT: its LOOP
-    logical :: holds_time = .false.             !! LOOP: a TIME is in it, but not in an inner loop
-    logical :: solves = .false.                 !! LOOP: the same for a command that solves
+    logical :: holds_time = .false.             !! LOOP: contains a TIME outside its inner loops
+    logical :: solves = .false.                 !! LOOP: likewise a command that solves
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
     type(data_t), allocatable :: data(:)        !! one per visit, in the order of the visits
@@ -45,7 +45,7 @@ module command_type
     character(12) :: word = ''
     integer :: nmax = 2                         !! largest number of fields after the word
     character(72) :: usage = ''                 !! shown in hints and by --list
-    logical :: reads = .false.                  !! the command reads the fields after the option
+    logical :: reads = .false.                  !! `run` itself reads the fields after the option
     procedure(command_run_i), pointer, nopass :: run => null()
     procedure(command_data_i), pointer, nopass :: data => null() !! reads its records after END
   end type command_row_t

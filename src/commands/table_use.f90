@@ -260,8 +260,8 @@ contains
       if (max(peak - maxval(ends), minval(ends) - peak) <= MISSED*abs(table%a(3))) return
       run%plan%corner_warned = .true.
       call warn('load table '//to_text(k)//' reaches '//to_text(peak)//' at time ' &
-                //to_text(time)//', inside step '//to_text(state%step)//', which ends at ' &
-                //to_text(state%time)//' with the factor '//to_text(ends(2)), &
+                //to_text(time)//', inside step '//to_text(state%step)//', which ends at time ' &
+                //to_text(state%time)//'; this value is never applied', &
                 run%program%command(run%program%prop_at(k))%record%place(1), &
                 'choose DT so small that a period of the sine has at least ten steps')
     end associate

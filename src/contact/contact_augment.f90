@@ -1,12 +1,13 @@
 !> Augmentation by Uzawa's iteration: finds the increments of the pressure multipliers of a contact.
 !!
-!! If each multiplier took over the pressure of its own point, the multipliers would rise until no
-!! point of either side penetrates. There are more points than nodes, and both sides are integrated.
-!! Therefore, if the two meshes do not match, the multipliers of one surface would grow at the
-!! expense of those of the other surface until these are zero, and different forces would act on the
-!! two bodies. To avoid this, pressures and penetrations are first smoothed with the functions of
-!! the surfaces. Augmentation then makes two quantities vanish: the mean of the penetrations of both
-!! sides and the difference of their pressures. The increments of the multipliers are
+!! If each multiplier took over the pressure of its own integration point, the multipliers would
+!! rise until no point of either side penetrates. There are more points than nodes, and both sides
+!! are integrated, so these conditions cannot all be met if the two meshes do not match. The
+!! multipliers of one surface would then grow at the expense of those of the other surface until
+!! the latter are zero, and different forces would act on the two bodies. To avoid this, pressures
+!! and penetrations are first smoothed with the functions of the surfaces. Augmentation then makes
+!! two quantities vanish: the mean of the penetrations of both sides and the difference of their
+!! pressures. The increments of the multipliers are
 !!
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!

@@ -134,8 +134,8 @@ contains
   end subroutine find_opened_bonds
 
   !> Find the openings between which the traction of a bond falls from its largest value to almost
-  !! nothing, with samples of both modes. The traction of every mode increases up to `strongest`,
-  !! and has fallen from `weakened` on.
+  !! nothing. The traction is sampled for purely normal and purely tangential openings: in both
+  !! modes it increases up to the opening `strongest`, and is almost nothing beyond `weakened`.
   subroutine find_softening(contact)
     type(contact_t), intent(inout) :: contact
     integer, parameter :: SAMPLES = 500

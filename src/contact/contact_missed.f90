@@ -90,7 +90,7 @@ contains
         end if
         if (now%deepest > VISIBLE) then
           call warn(text, contact%place, 'contact acts only at integration points: use smaller ' &
-                    //'elements or more points')
+                    //'elements or more integration points')
         else
           call note(text)
         end if

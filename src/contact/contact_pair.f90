@@ -216,10 +216,13 @@ module contact_pair
     !! of its points [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! warning about points deeper than `depth` issued
-    !> Largest values over all steps: |F1 + F2| of the forces on both sides, relative to the larger
-    !! force [-]; penetration, relative to the width of an element or the thickness, whichever is
-    !! smaller [-]; force [F].
-    real(wp) :: balance = 0.0_wp, deepest = 0.0_wp, largest_force = 0.0_wp
+    !> Largest value over all steps of |F1 + F2|, where F1 and F2 are the forces on the two sides,
+    !! relative to the larger force [-].
+    real(wp) :: balance = 0.0_wp
+    !> Largest penetration over all steps, relative to the width of an element or the thickness,
+    !! whichever is smaller [-].
+    real(wp) :: deepest = 0.0_wp
+    real(wp) :: largest_force = 0.0_wp       !! largest force over all steps [F]
     !> As long as the contact has not closed in any step: the smallest gap of all steps [L], the
     !! point where it occurs, and its step.
     logical :: touched = .false.

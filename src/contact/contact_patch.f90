@@ -4,8 +4,8 @@
 !! is hardly more than a nodal force, and it depends on the mesh. A region counts as small only if
 !! two measures agree on every side that deforms:
 !!
-!! - In every element of the side, more of the area that is opposite the other side is open than
-!!   touches. Flat faces that overlap in a part of an element touch wherever they are opposite.
+!! - In every element of the side, at most half of the area that faces the other side touches. Flat
+!!   faces that overlap in a part of an element touch wherever they face each other.
 !! - The region is narrow. Its width follows from the second moments of the pressure forces about
 !!   their centre: it is 4 times the root of the middle principal moment per force, which is 2 b for
 !!   Hertz's pressure on a strip of width 2 b, and 1.8 a on a circle of radius a. The smallest
@@ -116,7 +116,7 @@ contains
         call warn("contact '"//contact%name//"': at its largest force, "// &
                   to_text(now%largest_force, 3)//', the faces touch in a region that is less ' &
                   //'than a quarter of an element wide: the pressure depends on the mesh, and so ' &
-                  //'does the force of a prescribed motion', contact%place, 'use smaller ' &
+                  //'does the force needed for a prescribed motion', contact%place, 'use smaller ' &
                   //'elements there: an accurate pressure needs several across the region')
       end associate
     end do

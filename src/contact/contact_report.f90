@@ -50,9 +50,10 @@ contains
         end do
         if (sum(n) > 0 .and. .not. state%contact(c)%depth_warned) then
           state%contact(c)%depth_warned = .true.
-          call warn("contact '"//contact%name//"': "//to_text(sum(n))//' points that were in ' &
-                    //'contact are now deeper than DEPTh '//to_text(contact%depth)//', where ' &
-                    //'contact no longer acts: the bodies pass through each other', contact%place, &
+          call warn("contact '"//contact%name//"': "//to_text(sum(n)) &
+                    //' integration points that were in contact are now deeper than DEPTh ' &
+                    //to_text(contact%depth)//', where contact no longer acts: the bodies ' &
+                    //'pass through each other', contact%place, &
                     'use a stiffer penalty or a larger DEPTh')
         end if
         call report_break(contact, model%mesh%xr, state, state%contact(c))
@@ -69,9 +70,9 @@ contains
     end do
   end subroutine report_contact_changes
 
-  !> Warn if most bonds of a contact break in one step before which they had not reached their
-  !! strength: nothing shows the largest force. Inertia that carries a model over a snap
-  !! (ARCLength) is meant to do so.
+  !> Warn if most bonds of a contact break within one step, before which they had not reached their
+  !! strength: no row of a curve then shows the largest force. Steps in which the inertia of
+  !! ARCLength carries the model over a snap are excepted, because bonds are meant to break in them.
   subroutine report_break(contact, xr, state, now)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)     !! (3, nnode) [L]
@@ -84,15 +85,16 @@ contains
     if (state%dynamics%on .and. state%dynamics%density >= 0.0_wp) return
     part = find_broken_bonds(contact, now)
     if (part < MOST) return
-    if (state%step == 1) then ! bonds that a gap at the start has opened are reported there
+    if (state%step == 1) then ! contact_start has reported bonds that are open at the start
       call find_opened_bonds(contact, xr, now, n, widest, strongest)
       if (n > 0) return
     end if
     now%break_warned = .true.
-    call warn("contact '"//contact%name//"': "//to_text(100*part, 3)//' % of the bonds break in ' &
-              //'step '//to_text(state%step)//', from below their strength to almost no ' &
-              //'traction: the curves miss the largest force', contact%place, 'take smaller ' &
-              //'steps before time '//to_text(state%time)//': DT with a smaller dt')
+    call warn("contact '"//contact%name//"': "//to_text(100*part, 3)//' % of the bonds break ' &
+              //'within step '//to_text(state%step)//': before it their traction was still ' &
+              //'increasing, after it they bear almost nothing, so the curves miss the largest ' &
+              //'force', contact%place, 'take smaller steps before time ' &
+              //to_text(state%time)//': DT with a smaller dt')
   end subroutine report_break
 
   !> Record the balance and the penetration of an accepted step, and warn if they show that results

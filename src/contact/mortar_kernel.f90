@@ -341,8 +341,8 @@ contains
     end do
   end subroutine add_block
 
-  !> Add the derivatives with respect to those sliding points that do not lie on the element that
-  !! the point faces.
+  !> Add the derivatives with respect to the sliding points of those integration points whose
+  !! sliding point lies on another element than the one that they face.
   pure subroutine add_away(contact, k, slot, nk, nl, m, point, slide_slot, slide_shp, own_shp, &
                            shp, ds, work)
     type(contact_t), intent(in) :: contact

@@ -41,8 +41,8 @@ module projection
   !! is needed.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
   !> If an iterate is closer than BESIDE to a collapsed edge and its step would pass this edge, the
-  !! other elements around the edge are tried. An iterate that is closer than ARRIVED lies on the
-  !! edge.
+  !! other elements around the edge are tried. An iterate that is closer than ARRIVED counts
+  !! as lying on the edge.
   real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
   !> On its collapsed edge, an element is evaluated at this distance from the edge instead.
   real(wp), parameter :: INSIDE = 1.0e-6_wp

@@ -87,7 +87,7 @@ contains
 
     select case (trim(NAMES(f)))
     case ('sqrt')
-      if (x(1) < 0.0_wp) trouble = 'sqrt needs a number of 0 or more, found '//to_text(x(1))
+      if (x(1) < 0.0_wp) trouble = 'sqrt needs a non-negative number, found '//to_text(x(1))
     case ('log')
       if (.not. x(1) > 0.0_wp) trouble = 'log needs a positive number, found '//to_text(x(1))
     case ('asin', 'acos', 'asind', 'acosd')

@@ -257,7 +257,8 @@ contains
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                             //to_text(v)//', but there are vectors 1 to ' &
                             //to_text(vectors%n), error, &
-                            'vectors are counted from 1 in this message, the dense ones first')
+                            'vectors are counted from 1 in this message, first those in ' &
+                            //'dense form, then the sparse ones')
           return
         end if
         length = vectors%first(v + 1) - vectors%first(v)

@@ -87,8 +87,8 @@ contains
     if (least > 0.0_wp) return
     if (most <= 0.0_wp .and. least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' is left-handed: its Jacobian is negative", &
-                place, 'exchange directions 1 and 2 (numbers, knots and order of the points), ' &
-                //'or reverse direction 3')
+                place, 'exchange directions 1 and 2 (numbers of control points, knot vectors, ' &
+                //'and order of the control points), or reverse direction 3')
     else if (least < 0.0_wp) then
       call fail(error, DECK_ERROR, "patch '"//name//"' folds over: its Jacobian changes sign", &
                 place, 'the Jacobian is smallest in knot span '//to_text(bad(1))//' ' &

@@ -160,7 +160,8 @@ contains
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' has NURB interp, but a PATCh uses it', &
-                  set%place, 'remove the word: QUADrature of the PATCh sets the points')
+                  set%place, 'remove the word: QUADrature of the PATCh sets the ' &
+                  //'integration points')
       end if
     end associate
     if (.not. allocated(error)) return
@@ -323,7 +324,7 @@ contains
                  //to_text(tolerance(draft, mesh), 3)//' of the extent of the mesh: give TIE a ' &
                  //'smaller tolerance'
         else if (turned) then
-          hint = 'begin the nodes of both faces at the same edge: the fifth node must lie ' &
+          hint = 'list the nodes of both faces in the same order: the fifth node must lie ' &
                  //'opposite the first, the sixth opposite the second'
         else if (block%body > 0) then
           hint = 'use more elements to follow the shape more closely, or enrich other faces'

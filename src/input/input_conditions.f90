@@ -23,10 +23,10 @@ module input_conditions
   private
   public :: apply_conditions, warn_supports_kept, note_loose
 
-  real(wp), parameter :: PLANE = 1.0e-3_wp  !! FEAP's search gap of planes, relative to the
-  !! mesh's extent
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, likewise, but for
-  !! squared distances
+  real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
+  !! are selected (FEAP), relative to the extent of the mesh
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, but for squared
+  !! distances
 
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements that differ by less are equal [-]
 

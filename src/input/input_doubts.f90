@@ -221,8 +221,8 @@ contains
     text = element_text(mesh, first)//' is twisted: opposite faces are rotated by ' &
            //to_text(largest, 3)//' degrees relative to each other'
     if (n > 1) text = text//' (the first of '//to_text(n)//' such elements)'
-    call warn(text, place_of(draft, mesh, first), 'begin the nodes of both faces at the same ' &
-              //'edge: the fifth node must lie opposite the first, the sixth opposite the second')
+    call warn(text, place_of(draft, mesh, first), 'list the nodes of both faces in the same ' &
+              //'order: the fifth node must lie opposite the first, the sixth opposite the second')
   end subroutine warn_twisted
 
   !> Largest angle by which opposite faces of a hexahedron are turned against each other, about the

@@ -144,8 +144,8 @@ contains
               n = count([(on(motion%node(j)) .and. moves(motion, xr(:, motion%node(j)), d), &
                           j=1, size(motion%node))])
               if (n == 0) cycle
-              text = 'MOVE in line '//to_text(motion%place%line)//' prescribes direction ' &
-                     //to_text(d)//' of '
+              text = 'MOVE in line '//to_text(motion%place%line)//' prescribes displacements ' &
+                     //'in direction '//to_text(d)//' at '
               if (size(motion%node) == size(support%node) .and. all(on(motion%node))) then
                 call note(text//'all nodes that FIX in line '//to_text(support%at%place%line) &
                           //' restrains: MOVE takes precedence')

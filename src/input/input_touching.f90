@@ -102,7 +102,7 @@ contains
                     //'about '//to_text(maxval(area_of(pair(p))), 2)//', but nothing joins them, ' &
                     //'so they do not act on each other there', &
                     place_of(draft, mesh, skin, pair(p)), 'TIE joins coinciding nodes; CONTact ' &
-                    //'between these faces lets them press and slide, or bonds them with COHEsive')
+                    //'between these faces transmits pressure, and bonds them if it has COHEsive')
         end if
       end associate
     end do

@@ -56,7 +56,8 @@ contains
       if (n > 0) then
         call warn("contact '"//contact(c)%name//"': TIE joins "//to_text(n)//' nodes of its two ' &
                   //'sides, which cannot separate or slide there', contact(c)%place, &
-                  'TIE with a plane joins nodes of all bodies: use TIE,NODE or TIE,MATErial')
+                  'TIE alone or with a plane joins nodes of all bodies: use TIE,NODE or ' &
+                  //'TIE,MATErial')
       end if
     end do
   end subroutine warn_hanging

@@ -174,9 +174,10 @@ contains
         if (.not. allocated(error)) call get_numbers(deck, line, 2, n(:line%n - 1), error)
         if (allocated(error)) return
         d = findloc(n(:line%n - 1) < 1 .or. n(:line%n - 1) > MAX_POINT, .true., 1)
-        if (d > 0) call fail(error, DECK_ERROR, 'QUADrature has '//to_text(n(d))//' points', &
+        if (d > 0) call fail(error, DECK_ERROR, 'QUADrature has '//to_text(n(d)) &
+                             //' integration points', &
                              line%place(d + 1), 'give 1 to '//to_text(MAX_POINT) &
-                             //' points in each direction')
+                             //' integration points in each direction')
         spec%q = n(1)
         if (line%n == 3) spec%qz = n(2)
       case ('mate')
@@ -308,7 +309,7 @@ contains
     call move_alloc(longer, spec%enrich)
   end subroutine read_enrich
 
-  !> Read BOX, HEMIsphere, NPATch or FILE; a patch has one of them.
+  !> Read BOX, HEMIsphere, NPATch or FILE, of which a patch has exactly one.
   subroutine read_geometry(deck, line, patch, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line
@@ -320,7 +321,7 @@ contains
     associate (spec => patch%spec)
       if (spec%geometry /= GEO_NONE) then
         call fail(error, DECK_ERROR, 'patch '//quoted(spec%name)//' has two geometries', &
-                  line%place(1), 'give one of BOX, HEMIsphere, NPATch and FILE')
+                  line%place(1), 'give only one: BOX, HEMIsphere, NPATch or FILE')
         return
       end if
       select case (line%key(1))

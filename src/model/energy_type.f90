@@ -16,17 +16,22 @@ module energy_type
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated numerically [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
     real(wp) :: contact = 0.0_wp      !! work against the contact forces [F L]
-    !> The largest energy stored in penetration so far, and its ratio to `outer` at that time.
-    real(wp) :: penetration = 0.0_wp, penetration_share = 0.0_wp
-    !> Steps with inertia (energy_growth): whether the last step was one; the excess of the energies
-    !! over the work before the first of them, in all and without bodies; the largest energy of
-    !! bodies, contacts and motion; the largest growth of the excess, and its time [F L].
-    logical :: moving = .false.
-    real(wp) :: excess_before = 0.0_wp, excess_without = 0.0_wp
-    real(wp) :: largest = 0.0_wp, growth = 0.0_wp, growth_time = 0.0_wp
-    !> (3, nnode) Forces at the end of the previous step, and the change of f_outer in that step
-    !! [F].
-    real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :), rise(:, :)
+    real(wp) :: penetration = 0.0_wp  !! largest energy stored in penetration so far [F L]
+    real(wp) :: penetration_share = 0.0_wp !! ratio of `penetration` to `outer` at that time [-]
+    logical :: moving = .false.       !! the last step was one with inertia (energy_growth)
+    !> Excess of the energies of bodies, contacts and motion over the work done by loads and
+    !! supports, before the first step with inertia [F L].
+    real(wp) :: excess_before = 0.0_wp
+    !> Excess of the energies of contacts and motion over the work done on them, without bodies, at
+    !! the same time [F L].
+    real(wp) :: excess_without = 0.0_wp
+    real(wp) :: largest = 0.0_wp      !! largest energy of bodies, contacts and motion [F L]
+    real(wp) :: growth = 0.0_wp       !! largest growth of the excess since `excess_before` [F L]
+    real(wp) :: growth_time = 0.0_wp  !! time of this growth
+    !> (3, nnode) Forces at the end of the previous step: of loads and supports, of inertia, and of
+    !! contact [F].
+    real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :)
+    real(wp), allocatable :: rise(:, :) !! (3, nnode) change of f_outer in the previous step [F]
   end type energy_t
 
 contains

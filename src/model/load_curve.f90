@@ -46,19 +46,20 @@ contains
     real(wp), intent(in) :: time
     real(wp), parameter :: QUARTER = 0.5_wp*acos(-1.0_wp)
     real(wp) :: from, past, phase, rate
-    integer :: n, period                   ! quarters of a period
+    integer :: n                           ! quarter periods up to the extremum
+    integer :: spacing                     ! quarter periods between extrema
 
     extremum = huge(extremum)
     if (table%kind /= 1 .or. .not. abs(table%a(3)*table%a(4)) > 0.0_wp) return
     rate = abs(table%a(4))                 ! the sine of the opposite angle has the same extrema
     phase = sign(1.0_wp, table%a(4))*table%a(5)
-    period = merge(1, 2, mod(max(table%power, 1), 2) == 0)
+    spacing = merge(1, 2, mod(max(table%power, 1), 2) == 0)
     from = max(time, table%tmin)
     past = from + 8*epsilon(from)*abs(from)
     n = floor((rate*(past - table%tmin) + phase)/QUARTER) + 1
-    if (modulo(n, 2) == 0) n = n + period - 1
+    if (modulo(n, 2) == 0) n = n + spacing - 1
     extremum = table%tmin + (n*QUARTER - phase)/rate
-    if (extremum <= past) extremum = extremum + period*QUARTER/rate
+    if (extremum <= past) extremum = extremum + spacing*QUARTER/rate
     if (extremum > table%tmax) extremum = huge(extremum)
   end function next_extremum
 

@@ -12,8 +12,8 @@ module anchors
   private
   public :: anchors_t, set_anchors, anchor_force, find_load, node_stiffness, rigid_field
 
-  !> A weak motion counts as released if less than this fraction of it remains after its components
-  !! along the released motions have been subtracted.
+  !> A weak motion gets no anchor if less than this fraction of it remains after its components
+  !! along the released motions, which are no longer anchored (stabilisation), have been subtracted.
   real(wp), parameter :: LEFT = 0.2_wp
 
   type :: anchors_t
@@ -23,11 +23,11 @@ module anchors
 
 contains
 
-  !> Set anchors for the weak motions that were not released.
+  !> Set anchors for the weak motions that have not been released.
   subroutine set_anchors(body, weak, released, eq, x, k, anchors)
     type(free_body_t), intent(in) :: body(:)
     real(wp), intent(in) :: weak(:, :, :)     !! (6, body, n) weak motions, v.D v = 1
-    real(wp), intent(in) :: released(:, :, :) !! (6, body, m)
+    real(wp), intent(in) :: released(:, :, :) !! (6, body, m) motions that are no longer anchored
     integer, intent(in) :: eq(:, :)           !! (3, nnode) equation numbers, 0: prescribed
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) positions [L]
     type(block_matrix_t), intent(in) :: k     !! tangent

@@ -1,12 +1,13 @@
 !> Energy that a motion gains although nothing supplies it.
 !!
-!! Bodies, contacts and motion together cannot hold more energy than loads and supports have
+!! Bodies, contacts and motion together cannot contain more energy than loads and supports have
 !! supplied. Schemes that conserve the energy of a linear model do not conserve it in an impact: if
 !! a body penetrates deeply within one long step, contact pushes it back with more energy than the
 !! body has lost on its way in.
 !!
-!! The energy of bodies is expensive. It is therefore found only if contact and time integration,
-!! whose energies are known anyway, have gained more than GROWTH of the largest energy so far.
+!! The strain energy of the bodies is expensive to compute. It is therefore computed only if the
+!! energies of contact and motion, which are known anyway, have grown by more than the work done on
+!! contacts and masses, and the difference exceeds GROWTH times the largest energy so far.
 module energy_growth
   use assembly, only: assembler_t
   use base_kinds, only: wp
@@ -59,7 +60,7 @@ contains
       total = stored_energy(model, state) + energy%kinetic
       energy%largest = max(energy%largest, total)
       growth_now = total - energy%outer - energy%excess_before - energy%error
-      if (growth_now <= (1.0_wp + GROWTH)*energy%growth) return ! the time is when most was gained
+      if (growth_now <= (1.0_wp + GROWTH)*energy%growth) return ! a little more: keep the time
       energy%growth = growth_now
       energy%growth_time = state%time
     end associate
@@ -72,10 +73,10 @@ contains
     associate (energy => state%energy)
       if (.not. energy%growth > GROWTH*energy%largest) return
       call warn('the motion has gained energy: at time '//to_text(energy%growth_time) &
-                //' bodies, contacts and motion hold '//to_text(energy%growth, 3)//' more than ' &
-                //'loads and supports have supplied ('//to_text(100*energy%growth/energy%largest, &
-                                                                3) &
-                //' % of the largest energy of the run)', hint='an impact needs steps in which ' &
+                //' bodies, contacts and motion together contain '//to_text(energy%growth, 3) &
+                //' more energy than loads and supports have supplied, ' &
+                //to_text(100*energy%growth/energy%largest, 3) &
+                //' % of the largest energy of the run', hint='an impact needs steps in which ' &
                 //'the bodies penetrate only a little: use DT with a smaller dt, or ' &
                 //'TRANsient,BACK, which dissipates energy')
     end associate

@@ -8,8 +8,10 @@
 !!
 !! A step counts as a jump if it has two properties that can occur together only if the model is
 !! stiff, then soft and then stiff again within the step: the increment is much longer than the
-!! tangent at its start and the previous step suggest, and the energies increase by less than LEAST
-!! of the way from w_0 to w_1.
+!! tangent at its start and the previous step suggest, and the energies increase by less than
+!! w_0 + LEAST (w_1 - w_0). If the increment is much longer than the previous step suggests, but not
+!! longer than the tangent suggests, as near a limit point, the step counts as a jump only if the
+!! energies increase by less than w_0, which is impossible in equilibrium.
 module load_jump
   use base_kinds, only: wp
   use base_log, only: warn
@@ -99,8 +101,8 @@ contains
               //to_text(state%time)//': its loads do work of about '//to_text(mean, 3) &
               //', but bodies and contacts absorb only '//to_text(gain, 3), hint='the rest ' &
               //'would set the model in motion: load control has skipped a limit point; follow ' &
-              //'the path with ARCLength,LENGth, AUTO and smaller steps, or compute the motion ' &
-              //'with TRANsient')
+              //'the path with ARCLength,LENgth together with AUTO and smaller steps, or compute ' &
+              //'the motion with TRANsient')
   end subroutine report_jump
 
 end module load_jump

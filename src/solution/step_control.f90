@@ -18,7 +18,7 @@ module step_control
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
-    integer :: passed = 0  !! targets that the step passes; 0: it ends between two targets
+    integer :: passed = 0  !! number of targets that the step reaches; 0: it ends before one
     integer :: accepted = 0          !! steps since the last cut-back
     logical :: reduced = .false.     !! the next step is smaller, after many iterations
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none

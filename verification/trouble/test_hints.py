@@ -223,14 +223,15 @@ class Moved(Folder):
         found, said = self.displacement(remove, (move, f"FIX,bar,1+ 1 0 0\n{move}"))
         self.assertAlmostEqual(found, 0.01, 12)
         self.assertIn(
-            "note: MOVE in line 16 prescribes direction 1 of all nodes that FIX in line 15", said
+            "note: MOVE in line 16 prescribes displacements in direction 1 at all nodes that FIX in line 15",
+            said,
         )
         self.assertNotIn("warning:", said)
         _, said = self.displacement(remove, (move, f"FIX,bar,1+ 0 1 1\n{move}"))
         self.assertNotIn("FIX", said)
         _, said = self.displacement(remove, (move, f"FIX,bar,3- 1 0 0\n{move}"))
         self.assertIn(
-            "warning: MOVE in line 16 prescribes direction 1 of 2 nodes that this FIX restrains",
+            "warning: MOVE in line 16 prescribes displacements in direction 1 at 2 nodes that this FIX restrains",
             said,
         )
 
