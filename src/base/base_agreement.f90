@@ -8,10 +8,10 @@ module base_agreement
 
 contains
 
-  !> Copy the first error of any rank to all ranks without an error.
+  !> Copy the error of the first rank that has one to all ranks that have none.
   !!
   !! Call this after any work that only the first rank does, such as writing a file, and also after
-  !! work that every rank repeats, such as reading the deck, because it may fail on one rank only.
+  !! work that every rank repeats, such as reading the deck, which may fail on one rank only.
   subroutine agree(error)
     type(error_t), allocatable, intent(inout) :: error
     character(:), allocatable :: hint, message

@@ -22,7 +22,7 @@ module base_comm
   end interface largest
 
   !> total(x) replaces x by its sum over all ranks. The terms are added in the order of the ranks,
-  !! so that the sum does not depend on the speed of the ranks.
+  !! so that the sum does not depend on which rank is ready first.
   interface total
     module procedure total_scalar, total_matrix
   end interface total
@@ -55,8 +55,8 @@ contains
     this_rank = 1
   end function this_rank
 
-  !> Does this rank compute the derivatives of item i of a list whose items are divided among the
-  !! ranks?
+  !> Is item i of a list assigned to this rank? Each item is assigned to one rank, for work that the
+  !! ranks share.
   pure logical function owns(i)
     integer, intent(in) :: i !! from 1
 

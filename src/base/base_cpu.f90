@@ -12,8 +12,8 @@ module base_cpu
 
 contains
 
-  !> Level of the x86-64 instruction set, as numbered by its ABI: 4 (AVX-512), 3 (AVX2 and FMA) or 1
-  !! (any other processor, and systems without /proc).
+  !> Level of the x86-64 instruction set, as defined by the x86-64 ABI: 4 (AVX-512), 3 (AVX2 and
+  !! FMA) or 1 (any other processor, or a system without /proc).
   function vector_level() result(level)
     integer :: level
 

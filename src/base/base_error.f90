@@ -11,7 +11,7 @@ module base_error
   integer, parameter, public :: STOPPED = 4       !! stopped with a checkpoint
   integer, parameter, public :: BUG = 70          !! a mistake in the program
 
-  integer, parameter :: WINDOW = 160 !! a source line longer than this is shown only in part
+  integer, parameter :: WINDOW = 160 !! a line with more bytes than this is shown only in part
 
   !> A place in a deck.
   type :: place_t
@@ -19,7 +19,7 @@ module base_error
     character(:), allocatable :: text !! the line as it is in the file
     integer :: line = 0   !! line number, from 1
     integer :: column = 0 !! first character (byte of the text), from 1; 0: the whole line
-    integer :: width = 0  !! characters to underline
+    integer :: width = 0  !! bytes to underline
   end type place_t
 
   !> An error in the deck, or a failure of the program.
@@ -70,7 +70,7 @@ contains
     if (allocated(error%hint)) text = text//new_line('a')//'hint: '//visible(error%hint)
   end function render
 
-  !> Text of a warning or a note, in the same form as an error message; `kind` is its first word.
+  !> Text of a warning or a note in the form of an error message; `kind` replaces the word `error`.
   pure function render_note(kind, message, place, hint) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in), optional :: place
@@ -85,8 +85,8 @@ contains
     if (present(hint)) text = text//new_line('a')//'hint: '//visible(hint)
   end function render_note
 
-  !> First part of a message: the place and the text, the line of the deck, and carets under the
-  !! place.
+  !> A message without its hint: the place and the text, the line of the deck, and a marker (^~~~)
+  !! under the place.
   pure function head(kind, message, place) result(text)
     character(*), intent(in) :: kind, message
     type(place_t), intent(in) :: place

@@ -20,7 +20,7 @@ module base_log
   type(byte_file_t) :: file
   logical :: opened = .false.
   character(:), allocatable :: kept       !! lines written before the log is open
-  type(error_t), allocatable :: trouble   !! error of the first line that could not be written
+  type(error_t), allocatable :: trouble   !! why the first of the lost lines could not be written
   integer :: nkept = 0
   integer :: nwarning = 0
   type(message_t), allocatable :: message_of(:) !! the distinct warnings of the run
@@ -196,7 +196,7 @@ contains
     n = nwarning
   end function warning_count
 
-  !> Show a line at the end of a run, whether or not the screen is a terminal.
+  !> Show a line at the end of a run, whether or not standard error is a terminal.
   subroutine summary(text)
     character(*), intent(in) :: text
 
@@ -205,7 +205,7 @@ contains
     call show(text//new_line('a'))
   end subroutine summary
 
-  !> Show a line that the next one overwrites. Nothing is shown unless the screen is a terminal.
+  !> Show a line that the next one overwrites, but only if standard error is a terminal.
   subroutine progress(text)
     character(*), intent(in) :: text
     integer, parameter :: WIDTH = 79
@@ -226,8 +226,7 @@ contains
     shown = 0
   end subroutine clear_progress
 
-  !> Write to the screen. It is not an error if the screen is closed, because everything is in the
-  !! log.
+  !> Write to standard error. A failure is ignored, because everything is in the log.
   subroutine show(text)
     character(*), intent(in) :: text
     integer :: io

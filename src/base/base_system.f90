@@ -118,7 +118,7 @@ module base_system
   type(sigset_t) :: before               !! the signal mask before hold_signals was called
   integer(c_int), volatile :: caught = 0 !! number of the signal that requested a stop
   integer(i8) :: origin = -huge(0_i8)    !! reading of the clock when the run began
-  integer :: calls_left = huge(0)        !! calls of stop_requested until STOP_NAME stops the run
+  integer :: calls_left = huge(0)        !! calls of stop_requested before STOP_NAME requests a stop
 
 contains
 
@@ -226,7 +226,8 @@ contains
     failed = c_sigprocmask(SIG_SETMASK, before, set)
   end subroutine let_signals_in
 
-  !> Has a stop been requested by a signal? The module run calls this function before each command.
+  !> Has a signal requested a stop? This function is called before each command, and between
+  !! iterations if one command makes several.
   function stop_requested() result(yes)
     logical :: yes
 

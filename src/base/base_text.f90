@@ -43,8 +43,8 @@ contains
     key = lower(key)
   end function key_of
 
-  !> Can the text be part of the name of a file or a column? It must consist of letters, digits, _
-  !! and -.
+  !> Can the text be part of the name of a file or a column? It must consist of letters, digits,
+  !! `_` and `-`.
   pure logical function fits_name(text, longest)
     character(*), intent(in) :: text
     integer, intent(in) :: longest !! characters
@@ -153,7 +153,8 @@ contains
     end do
   end function nearest_word
 
-  !> Number of letters to insert, drop, change or swap to get from a to b.
+  !> Smallest number of edits that turn a into b. An edit inserts, drops or changes a letter, or
+  !! swaps two neighbouring letters.
   pure function distance(a, b) result(d)
     character(*), intent(in) :: a, b
     integer :: d, i, j

@@ -58,7 +58,7 @@ contains
     timers%timer(i)%cpu_start = cpu_seconds()
   end subroutine start
 
-  !> Stop a timer and add the time since its start.
+  !> Stop a timer, and add the time since its last start to its total.
   subroutine stop_one(timers, name)
     class(timers_t), intent(inout) :: timers
     character(*), intent(in) :: name
@@ -106,7 +106,8 @@ contains
     end if
   end function seconds
 
-  !> Processor time of a timer [s]; that of 'total' is the time of the process.
+  !> Processor time of a timer [s]; that of 'total' is the time of all threads of
+  !! the process.
   function cpu_of(timers, name) result(cpu)
     class(timers_t), intent(in) :: timers
     character(*), intent(in) :: name

@@ -51,9 +51,9 @@ module byte_file
 
 contains
 
-  !> Open a file for writing: either a new file, or an existing file to which text is appended. If
-  !! the path of a new file is a link, the link is replaced, and the file to which it points is not
-  !! changed.
+  !> Open a file for writing: either append to the file at the path, or replace it by an empty one.
+  !! If the path of a file to be replaced is a link, only the link is removed, and the file to which
+  !! it points is not changed.
   subroutine open_bytes(file, path, appends, error)
     type(byte_file_t), intent(out) :: file
     character(*), intent(in) :: path
@@ -119,7 +119,7 @@ contains
     if (allocated(error)) call remove_file(path//'.part')
   end subroutine write_whole
 
-  !> Extend a file by `count` blanks, which reserves this much space on the disk.
+  !> Extend a file by `count` blanks, in order to reserve this space on the disk.
   subroutine take_room(path, count, error)
     character(*), intent(in) :: path
     integer(i8), intent(in) :: count

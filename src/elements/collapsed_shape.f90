@@ -6,9 +6,9 @@
 !! edge, and zeta+ a point. Without the third direction, the map gives a triangle, whose side eta+
 !! is a point.
 !!
-!! Integrands are polynomials on the tetrahedron, so the integration rules of the tetrahedron are
-!! used: their points are mapped to the cube, and their weights are divided by the determinant of
-!! the map.
+!! The default integration rules of tetrahedra are rules for the tetrahedron, because integrands are
+!! smoother there than on the cube: the points are mapped to the cube, and the weights are divided
+!! by the determinant of the map.
 module collapsed_shape
   use base_kinds, only: wp
   use element_type, only: cell_t, rule_t

@@ -1,4 +1,4 @@
-!> Interface of an element type, which is a row of the table of elements.
+!> An element type as a row of the table of elements: its data and the interfaces of its procedures.
 module element_type
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -62,7 +62,7 @@ module element_type
     character(100) :: source = ''    !! formulation and reference, for the log
     logical :: spline = .false.      !! functions need Bezier extraction (cell%c1, ...)
     integer :: nmode = 0             !! number of enhanced modes, with three parameters each
-    integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: not for ELEMents
+    integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: not available there
     integer :: degree = 0            !! degree of its faces; 0: it depends on the block
     integer :: deck_order(27) = 0    !! local node of each node of the deck; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
@@ -115,8 +115,10 @@ module element_type
     !!
     !! The history of an element with nmode > 0 has the length history_length(nen, nmode) of
     !! solid_form. It contains three results for the displacements u - du: the enhanced parameters
-    !! a, the vector m = K_aa^-1 r_a, and the matrix L = K_aa^-1 K_au. The kernel sets a_new = a -
-    !! scale*m - L du, computes residual and tangent, and returns a_new, m_new and L_new.
+    !! a, the vector m = K_aa^-1 r_a, and the matrix L = K_aa^-1 K_au, where r_a is the residual of
+    !! the parameters, and K_aa and K_au are its derivatives with respect to a and u. The kernel
+    !! sets a_new = a - scale*m - L du, computes residual and tangent, and returns a_new, m_new and
+    !! L_new.
     pure subroutine element_form_i(basis, material, prop, xr, u, du, scale, h_old, h_new, &
                                    r, k, report)
       import :: basis_t, material_t, form_report_t, wp

@@ -2,6 +2,9 @@
 !!
 !!   F = F_u + (j0/j) [sum_i a_i x xi_i e_i] J0^-1
 !!
+!! F_u is the deformation gradient of the displacements, J the derivative of the reference position
+!! with respect to the parent coordinates xi, and j = det J; J0 and j0 are J and j at the centre.
+!!
 !! Nodes, functions, rule: as Q1
 !! History: nine parameters, then m and L (element_form_i)
 !! Source:  Simo and Armero 1992; Corbett and Sauer 2015, section 4.1

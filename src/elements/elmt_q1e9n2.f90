@@ -1,7 +1,7 @@
 !> Q1E9N and Q1E9NT: the enriched element Q1Np.t with nine enhanced modes.
 !!
-!! The modes are the rows (xi,0,0), (0,eta,0), (0,0,zeta) of Q1E9 on the enriched hexahedron, with
-!! J0 and j0 at its centre. In the tapered element, the first two modes are multiplied by (1 +
+!! The modes are the covectors (xi,0,0), (0,eta,0), (0,0,zeta) of Q1E9 on the enriched hexahedron,
+!! with J0 and j0 at its centre. In the tapered element, the first two modes are multiplied by (1 +
 !! zeta)/2, so that they vanish on the enriched face.
 !!
 !! Nodes, functions: as Q1N

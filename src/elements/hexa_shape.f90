@@ -1,4 +1,5 @@
-!> Univariate functions, tensor products, integration rules and faces of hexahedral elements.
+!> Univariate functions, tensor products, integration rules and faces of hexahedral elements. The
+!! equation numbers are those of Corbett and Sauer 2015.
 module hexa_shape
   use base_kinds, only: wp
   use bspline, only: bernstein
@@ -18,12 +19,13 @@ module hexa_shape
   integer, parameter :: CORNER(3, 8) = reshape([-1, -1, -1, 1, -1, -1, 1, 1, -1, -1, 1, -1, -1, &
                                                 -1, 1, 1, -1, 1, 1, 1, 1, -1, 1, 1], [3, 8])
 
-  !> Marks the corners on each of the faces xi-, xi+, eta-, eta+, zeta-, zeta+.
+  !> Which corners lie on the faces xi-, xi+, eta-, eta+, zeta- and zeta+?
   logical, parameter :: CORNER_MARKS(8, 6) = &
                         reshape([CORNER(1, :) < 0, CORNER(1, :) > 0, CORNER(2, :) < 0, &
                                  CORNER(2, :) > 0, CORNER(3, :) < 0, CORNER(3, :) > 0], [8, 6])
 
-  !> Entries of an extraction operator below this fraction of the largest entry are taken as zero.
+  !> Entries of an extraction operator below this fraction of the largest entry in their column are
+  !! taken as zero.
   real(wp), parameter :: ZERO_SHARE = 1.0e-12_wp
 
 contains

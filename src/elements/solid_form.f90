@@ -1,8 +1,8 @@
 !> Residual and consistent tangent of any solid element.
 !!
-!! The shape functions come from a table of their values at the integration points (basis_t), the
-!! stress and the tangent at a point from the material law. With the spatial gradients g (reference
-!! gradients at small strain) and the reference volumes w0,
+!! The shape functions come from a table of their values at the integration points (basis_t); the
+!! stress and the tangent at a point come from the material law. With the spatial gradients g
+!! (reference gradients at small strain) and the reference volumes w0,
 !!
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]

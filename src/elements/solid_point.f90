@@ -12,7 +12,8 @@ contains
   !> Compute the deformation gradient at a point of the parent cell.
   !!
   !! F = 1 + sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
-  !! (Simo and Armero 1992; F0 drops out, as the mode space is closed under left multiplication).
+  !! (Simo and Armero 1992). Their factor F0, the deformation gradient at the centre, is left out:
+  !! multiplying the modes by it from the left does not change the space that they span.
   pure subroutine deform(nen, nmode, dshp, mode, xu, a, centre, jac0, dg, inverse, jac, m, ok)
     integer, intent(in) :: nen, nmode
     real(wp), intent(in) :: dshp(3, nen)   !! parent derivatives of the functions

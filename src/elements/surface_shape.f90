@@ -1,6 +1,6 @@
 !> Functions of the isogeometric surface of an element: either a tensor product, or any number of
 !! functions with an extraction operator for the whole element (at extraordinary points and
-!! T-junctions).
+!! T-junctions). The equation numbers are those of Corbett and Sauer 2015.
 module surface_shape
   use base_kinds, only: wp
   use bspline, only: bernstein

@@ -7,7 +7,7 @@ module elastic_constants
   private
   public :: set_constants, young_modulus
 
-  !> Columns of prop(:).
+  !> Indices in prop(:).
   integer, parameter, public :: E_MOD = 1  !! Young's modulus [F/L^2]
   integer, parameter, public :: NU = 2     !! Poisson's ratio [-]
   integer, parameter, public :: VOLUME = 3 !! volumetric function of FINIte VOLUme k: 1, 2 or 3 [-]

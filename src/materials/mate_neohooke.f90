@@ -3,13 +3,13 @@
 !!   W = mu/2 (tr b - 3) - mu ln J + U(J),   tau = mu (b - 1) + J U' 1
 !!   U = Lam/4 (J^2 - 1 - 2 ln J)   VOLUme 1
 !!       Lam/2 (J - 1)^2            VOLUme 2
-!!       Lam/2 (ln J)^2             VOLUme 3: eq. (32) of the paper, the default
+!!       Lam/2 (ln J)^2             VOLUme 3, the default: eq. (32) of the source
 !!
 !! The spatial tangent is J (J U')' 1 x 1 + 2 (mu - J U') I.
 !!
 !! Deck:    SOLId / ELAStic NEOHook E nu / FINIte [VOLUme k]
 !! History: none
-!! Source:  Zienkiewicz and Taylor 2005 through Corbett and Sauer 2015, eqs (32) and (33)
+!! Source:  Corbett and Sauer 2015, eqs (32) and (33), after Zienkiewicz and Taylor 2005
 !! Limits:  det F > 0
 module mate_neohooke
   use base_kinds, only: wp
@@ -55,7 +55,7 @@ contains
     prop(VOLUME) = value(3)
     if (error%value == 0 .and. all(nint(value(3)) /= [1, 2, 3])) then
       error = constant_error_t(3, 'unknown volumetric function '//to_text(value(3)), &
-                               'VOLUme must be 1, 2 or 3; 3 is Lam/2 (ln J)^2')
+                               'VOLUme must be 1, 2 or 3; the default is 3')
     end if
   end subroutine set
 

@@ -1,11 +1,11 @@
-!> Interface of a constitutive law, which is a row of the table of laws.
+!> A constitutive law as a row of the table of laws: its data and the interfaces of its procedures.
 module material_type
   use base_kinds, only: wp
   implicit none
   private
   public :: material_t, constant_error_t, material_usage
 
-  integer, parameter, public :: MAX_PROP = 16 !! length of a row of properties
+  integer, parameter, public :: MAX_PROP = 16 !! largest number of properties of a law
   integer, parameter, public :: NB = 8 !! number of points or elements in a batch
 
   !> Why a law rejects its constants.
@@ -20,12 +20,12 @@ module material_type
   type :: material_t
     character(16) :: name = ''    !! deck word
     character(48) :: numbers = '' !! names of the numbers in the record ELAStic, for hints
-    integer :: nvalue = 0         !! number of these constants
+    integer :: nvalue = 0         !! number of the constants in `numbers`
     character(80) :: source = ''  !! formula and reference, for the log
     logical :: finite = .true.    !! .false.: small strain
     logical :: volumetric = .false. !! the law has several volumetric functions (VOLUme k of FINIte)
     logical :: symmetric = .true. !! the tangent is symmetric
-    integer :: nprop = 0          !! columns of prop(:) in use
+    integer :: nprop = 0          !! number of entries of prop(:) in use
     real(wp) :: example(MAX_PROP) = 0.0_wp !! (nvalue) constants of a valid material, for the tests
     procedure(material_set_i), pointer, nopass :: set => null()
     procedure(material_stiffness_i), pointer, nopass :: stiffness => null()
@@ -91,7 +91,7 @@ module material_type
       logical, intent(out) :: ok(NB)
     end subroutine material_batch_i
 
-    !> Stored energy per reference volume [F/L^2]; huge if the law has none (det <= 0).
+    !> Stored energy per reference volume [F/L^2]; huge if there is none (det <= 0).
     pure function material_energy_i(prop, dg) result(w)
       import :: wp
       implicit none

@@ -78,7 +78,7 @@ contains
         high = mid
       end if
     end do
-    ! At the upper end, and after repeated interior knots, the span found may be empty.
+    ! The span found is empty only at the upper end, if the last knot is repeated too often.
     do while (k > s%degree + 1 .and. s%knots(k + 1) <= s%knots(k))
       k = k - 1
     end do
@@ -148,7 +148,7 @@ contains
     real(wp) :: low(p + 1)
     integer :: q
 
-    if (p == 2 .and. .not. present(d2b)) then ! the usual degree, with the same operations
+    if (p == 2 .and. .not. present(d2b)) then ! the usual degree: the same operations without loops
       low(1) = 0.5_wp*(1.0_wp - xi)
       low(2) = 0.5_wp*(1.0_wp + xi)
       db = [-low(1), low(1) - low(2), low(2)]
@@ -280,14 +280,14 @@ contains
     integer :: k
 
     ! The blossom is taken in the span of knot i, and its arguments increase from there. In this
-    ! order all factors are positive.
+    ! order no term is negative, so that no digits cancel.
     k = find_span(s, fine%knots(i))
     first = k - s%degree
     call blossom(s%knots, s%degree, k, fine%knots(i + 1:i + s%degree), w)
   end subroutine insertion_row
 
-  !> Express control point i of `high`, which is `elevated(s)`, by the control points of `s`. It is
-  !! the mean of p + 1 blossoms, each of which leaves out one knot.
+  !> Express control point i of `high`, which is `elevated(s)`, by the control points of `s`. This
+  !! point is the mean of p + 1 blossoms, each of which leaves out one knot.
   pure subroutine elevation_row(s, high, i, first, w)
     type(spline_t), intent(in) :: s, high
     integer, intent(in) :: i

@@ -68,7 +68,7 @@ contains
     end do
   end function signed_area
 
-  !> Points and weights of a convex polygon. Lines from its first corner divide the polygon into
+  !> Integration points and weights of a convex polygon. Lines from its first corner divide it into
   !! quadrilaterals, each with its own Gauss points. If the number of corners is odd, the last part
   !! is a triangle. The edges may be curved: at the parameter t, edge i deviates from the straight
   !! line by sum_k bend(:,k,i) f_k(t).

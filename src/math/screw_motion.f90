@@ -2,7 +2,8 @@
 !! it.
 !!
 !! A rigid motion x -> R (x - c0) + c1 consists of a rotation by the vector w and a translation. If
-!! the motion has a constant rate, a fraction s of it rotates by s w. With y = x - c1,
+!! the rate of the motion is constant, a fraction s of it rotates by s w. With y = x - c1, the same
+!! motion continues from the points x as
 !!
 !!   y -> R(w) y + V(w) v,   R = exp([w]),   V = int_0^1 exp([s w]) ds,
 !!
@@ -22,7 +23,7 @@ module screw_motion
   type :: screw_t
     real(wp) :: origin(3) = 0.0_wp !! c1 [L]
     real(wp) :: w(3) = 0.0_wp      !! rotation vector [rad]
-    real(wp) :: v(3) = 0.0_wp      !! translation of the origin, integrated along the rotation [L]
+    real(wp) :: v(3) = 0.0_wp      !! velocity at the origin times the duration of the motion [L]
   end type screw_t
 
 contains
