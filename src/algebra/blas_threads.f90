@@ -45,8 +45,8 @@ contains
     allocate (character(int(megabytes, i8)*2**20) :: room, stat=status)
     if (status /= 0) then
       call fail(error, SYSTEM_ERROR, 'not enough memory to start the linear algebra library, ' &
-                //'which needs '//to_text(megabytes)//' MB', hint='raise the limits that ulimit ' &
-                //'-a shows' &
+                //'which needs '//to_text(megabytes)//' MB', hint='raise the limits that ' &
+                //'''ulimit -a'' shows' &
                 //trim(merge(', or use fewer threads', '                      ', n > 1)))
       return
     end if

@@ -15,8 +15,8 @@ module csr
   public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero, &
             multiply, multiply_free, row_sums, add_element, add_batch, sum_diagonal, diagonal_block
 
-  !> Positions of the 3x3 blocks of one element, conn(nen), or of all elements of a block, conn(nen,
-  !! nelem).
+  !> Positions of the 3x3 blocks of one element, conn(nen), or of all elements of an element block,
+  !! conn(nen, nelem).
   interface element_map
     module procedure map_one
     module procedure map_all
@@ -35,7 +35,7 @@ module csr
     integer, allocatable :: col(:)         !! (nblock) column node of each block
     real(wp), allocatable :: val(:, :, :)  !! (3, 3, nblock) row dof, column dof, block
     logical :: shared = .false.            !! the matrix is the sum of the parts of all ranks
-    real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) blocks of this sum
+    real(wp), allocatable, private :: diagonal(:, :, :) !! (3, 3, nnode) diagonal blocks of this sum
   end type block_matrix_t
 
   !> The cliques to which each node belongs.
@@ -128,7 +128,8 @@ contains
     mark = 0
     count = 0
     do j = 1, a%nnode
-      ! The diagonal block comes first in its row, and exists even if no element has the node.
+      ! The diagonal block exists even if no element has the node. It is the first one of its row if
+      ! the matrix is symmetric.
       if (a%symmetric .or. inc%first(j) == inc%first(j + 1)) call put(j)
       do k = inc%first(j), inc%first(j + 1) - 1
         associate (conn => cliques(inc%group(k))%conn)
@@ -166,7 +167,7 @@ contains
     end do
   end subroutine set_row_starts
 
-  !> Do the same as map_one for all elements of a block.
+  !> Do the same as map_one for all elements of an element block.
   subroutine map_all(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:, :)     !! (nen, nelem)
@@ -270,8 +271,8 @@ contains
 
   !> Compute y = A x over all nodes, including prescribed dofs. All ranks get the same y.
   !!
-  !! If x = 0 at the free dofs, y contains the forces that prescribed motion exerts on them; the
-  !! tangent predictor uses this.
+  !! If x is zero at the free dofs, then y at these dofs contains the forces that the prescribed
+  !! displacements in x cause; the tangent predictor uses this.
   subroutine multiply(a, x, y)
     type(block_matrix_t), intent(in) :: a
     real(wp), intent(in) :: x(:, :)   !! (3, nnode)

@@ -2,10 +2,11 @@
 !! definite.
 !!
 !! The earlier matrix was positive definite. Its factors precondition conjugate gradients for an
-!! irregular load, which therefore contains all modes; one half of the load contains each mode in
-!! proportion to its flexibility. If an eigenvalue has become zero or negative, the residual in its
-!! mode does not fall until a direction of negative curvature is found. If the residual falls fast,
-!! there is no such eigenvalue. The test costs about as much as solving one system.
+!! irregular load, which therefore contains all modes; one of the two terms of this load contains
+!! each mode in proportion to its flexibility. If an eigenvalue has become zero or negative, the
+!! residual in its mode does not fall until a direction of negative curvature is found. If the
+!! residual falls fast, there is no such eigenvalue. The test costs about as much as solving one
+!! system.
 module definiteness
   use base_error, only: error_t
   use base_kinds, only: wp

@@ -6,9 +6,10 @@
 !!
 !!   z = M^-1 r,   z_S <- z_S + A_SS^-1 (r - A z)_S .
 !!
-!! When a contact opens, closes, slips or moves on, the penalty changes a few rows of A. M does not
-!! contain these changes, and iterations with M alone find the corresponding motions only one by
-!! one. A_SS is small, and is factorised anew for each matrix A. S grows until M is renewed.
+!! When a contact opens, closes, slips or moves to other elements, the penalty changes a few rows of
+!! A. M does not contain these changes, and iterations with M alone find the corresponding motions
+!! only one by one. A_SS is small, and is factorised anew for each matrix A. S grows until M is
+!! renewed.
 module factor_correction
   use base_agreement, only: agree
   use base_comm, only: largest
@@ -29,8 +30,8 @@ module factor_correction
 
   type :: correction_t
     logical :: acts = .false.              !! it is used for the current matrix
-    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal when M was made
-    integer, allocatable, private :: eq(:, :)        !! (3, nnode) equations of A_SS, 0: not in S
+    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal of A for M
+    integer, allocatable, private :: eq(:, :)        !! (3, nnode) numbers in A_SS, 0: not in S
     integer, allocatable, private :: whole(:)        !! (ns) numbers of these equations in A
     integer, allocatable, private :: col(:)          !! pattern of the last analysis
     type(entries_t), private :: list

@@ -144,15 +144,15 @@ contains
     end do
   end subroutine gmres
 
-  !> Judging by the digits gained so far, would an iteration that may give up early need more than
-  !! `limit` iterations?
+  !> May the solver give up early, and would it need more than `limit` iterations, judging by the
+  !! digits gained so far?
   pure logical function is_slow(reached, tolerance, iterations, limit, hurries)
     real(wp), intent(in) :: reached    !! relative residual
     real(wp), intent(in) :: tolerance
     integer, intent(in) :: iterations, limit
     logical, intent(in), optional :: hurries
     integer, parameter :: TRIAL = 6            !! number of iterations that are always made
-    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! factor, because convergence may become faster
+    real(wp), parameter :: ALLOWANCE = 1.5_wp  !! factor of `limit`; convergence may become faster
 
     is_slow = .false.
     if (present(hurries)) is_slow = hurries

@@ -1,13 +1,13 @@
 !> Linear systems of Newton's method: one call solves a system to a tolerance.
 !!
-!! FULL     factorises every matrix.
-!! REUSE keeps a factorisation as the preconditioner of conjugate gradients (or of GMRES if the
+!! FULL:    factorises every matrix.
+!! REUSE:   keeps a factorisation as the preconditioner of conjugate gradients (or of GMRES if the
 !!          matrix is unsymmetric or has negative pivots) until iterations cost more than a
 !!          factorisation.
-!! SINGLE   does the same with factors in single precision, which need half the memory.
-!! LOWRANK  does the same with compressed factors.
-!! AUTO is the same as FULL if a factorisation costs no more than a few iterations, and the same as
-!! SINGLE otherwise.
+!! SINGLE:  does the same with factors in single precision, which need half the memory.
+!! LOWRANK: does the same with compressed factors.
+!! AUTO:    is the same as FULL if a factorisation costs no more than a few iterations, and the
+!!          same as SINGLE otherwise.
 !!
 !! If memory is too short, AUTO tries factors in single precision, then compressed factors, then
 !! factors on disk; the other modes, except LOWRANK, write the factors to disk right away.
@@ -16,8 +16,8 @@
 !!
 !! AUTO chooses between FULL and SINGLE by the numbers of operations and entries that the analysis
 !! finds. If factors in single precision turn out not to suffice, they are made in double precision
-!! from then on. If the caller needs the signs of the pivots or of the determinant, AUTO finds them
-!! as FULL does.
+!! from then on. If the caller needs the signs of the pivots or of the determinant, FULL and AUTO
+!! find them for every matrix, the other modes only when they factorise.
 !!
 !! If kept factors no longer suffice, they are first corrected at the nodes where the matrix has
 !! changed most, usually nodes in contact (factor_correction). They are replaced only if this does
@@ -376,7 +376,8 @@ contains
                   .and. ls%factors%solver%info%negative == 0
   end function is_definite
 
-  !> Do approximate factors have negative signs, which may be due to rounding?
+  !> Do approximate factors have negative pivots or a determinant that is not positive, which may be
+  !! due to rounding?
   pure logical function are_doubtful(ls)
     class(linear_system_t), intent(in) :: ls
 

@@ -269,7 +269,8 @@ contains
       m%infog = m%d%infog
       m%rinfog = m%d%rinfog
     end if
-    if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, error)
+    if (m%infog(1) < 0) call describe_failure(m%infog(1), m%infog(2), m%neq, &
+                                              associated(m%s), error)
   end subroutine run
 
   !> Solve in place: the solutions replace the right-hand sides. All ranks have the same right-hand
@@ -368,12 +369,16 @@ contains
   end subroutine check_memory
 
   !> Make the error message for INFOG(1) and INFOG(2).
-  subroutine describe_failure(code, detail, neq, error)
+  subroutine describe_failure(code, detail, neq, single, error)
     integer, intent(in) :: code   !! INFOG(1) < 0
     integer, intent(in) :: detail !! INFOG(2)
     integer, intent(in) :: neq    !! number of equations
+    logical, intent(in) :: single !! the factors are in single precision
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: less_memory
 
+    less_memory = HALF
+    if (single) less_memory = COARSER
     select case (code)
     case (-6)
       call fail(error, NO_SOLUTION, 'the tangent is singular: the pattern of its '//to_text(neq) &
@@ -384,14 +389,14 @@ contains
                 hint='look for bodies that can move freely and for missing supports')
     case (-5, -7)
       call fail(error, SYSTEM_ERROR, 'not enough memory for the analysis of '//to_text(neq) &
-                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=COARSER)
+                //' equations (no room for '//amount(detail)//' more numbers)', hint=COARSER)
     case (-13)
       call fail(error, SYSTEM_ERROR, 'not enough memory for the factorisation of '//to_text(neq) &
-                //' equations ('//amount(detail)//' numbers could not be allocated)', hint=HALF)
+                //' equations (no room for '//amount(detail)//' more numbers)', hint=less_memory)
     case (-8, -9, -11, -14, -15, -19)
       call fail(error, SYSTEM_ERROR, 'pivoting needs much more work space than estimated (' &
-                //amount(detail)//' more numbers)', &
-                hint='the tangent may be close to singular; '//HALF)
+                //'room for '//amount(detail)//' more numbers)', &
+                hint='the tangent may be close to singular; '//less_memory)
     case (-17, -20)
       call fail(error, SYSTEM_ERROR, 'a message buffer of MUMPS is too small')
     case (-51, -52)
@@ -399,7 +404,9 @@ contains
                 //' equations are too many for the 32-bit integers of MUMPS', &
                 hint='use a coarser mesh')
     case (-90)
-      call fail(error, SYSTEM_ERROR, 'MUMPS could not write or read its factors on disk')
+      call fail(error, SYSTEM_ERROR, 'MUMPS could not write or read its factors on disk', &
+                hint='the folder that the environment variable MUMPS_OOC_TMPDIR names must ' &
+                //'exist and have enough space')
     case (-2, -3, -4, -16, -40:-21, -800)
       call fail(error, BUG, 'MUMPS rejected its input with code '//to_text(code)//', detail ' &
                 //to_text(detail))

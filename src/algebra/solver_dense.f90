@@ -1,4 +1,4 @@
-!> Dense solver by LAPACK for tests and tiny decks.
+!> Dense solver by LAPACK for tests and very small models.
 !!
 !! Symmetric systems are solved with the eigenvalues of the matrix, which give the inertia and the
 !! null space reliably. Other systems are solved with LU factors.

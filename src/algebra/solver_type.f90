@@ -22,7 +22,7 @@ module solver_type
   type, abstract :: solver_t
     integer :: neq = 0
     logical :: symmetric = .true.
-    logical :: pins_null_pivots = .false. !! solves with singular matrices too
+    logical :: pins_null_pivots = .false. !! `solve` works for singular matrices too
     type(factor_info_t) :: info
   contains
     procedure(analyse_i), deferred :: analyse

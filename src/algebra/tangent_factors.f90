@@ -154,7 +154,7 @@ contains
     end if
   end function the_way
 
-  !> Description of a way of storage, to follow the word 'factors'.
+  !> Description of a way of storage, to follow `factors are computed`.
   pure function describe_storage(way) result(text)
     type(storage_t), intent(in) :: way
     character(:), allocatable :: text

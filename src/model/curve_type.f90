@@ -14,16 +14,20 @@ module curve_type
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &
                                 Q_CONTACT_PENETRATION = 16, Q_CONTACT_DEBONDED = 17
-  !> A term of the energy balance; `component` says which one. In the order of B_WORK to B_ERROR:
-  !! work done on the bodies; strain energy; kinetic energy; energies of contact pressure, of
-  !! friction and of bonds; energy dissipated by the time integration; imbalance; energy stored in
-  !! bonds; energy that bonds dissipate by damage and by VISCous; energy created by contact forces;
-  !! bound on the error of the work.
-  integer, parameter, public :: Q_BOOK = 18
-  integer, parameter, public :: B_WORK = 1, B_STORED = 2, B_KINETIC = 3, B_NORMAL = 4, &
-                                B_FRICTION = 5, B_COHESIVE = 6, B_INERTIA = 7, B_IMBALANCE = 8, &
-                                B_BONDS = 9, B_DAMAGE = 10, B_VISCOUS = 11, B_CREATED = 12, &
-                                B_ERROR = 13
+  integer, parameter, public :: Q_BOOK = 18 !! a term of the energy balance, given by `component`:
+  integer, parameter, public :: B_WORK = 1      !! work done on the bodies by loads and supports
+  integer, parameter, public :: B_STORED = 2    !! strain energy
+  integer, parameter, public :: B_KINETIC = 3   !! kinetic energy
+  integer, parameter, public :: B_NORMAL = 4    !! energy of contact pressure
+  integer, parameter, public :: B_FRICTION = 5  !! energy of friction
+  integer, parameter, public :: B_COHESIVE = 6  !! energy of bonds
+  integer, parameter, public :: B_INERTIA = 7   !! energy dissipated by the time integration
+  integer, parameter, public :: B_IMBALANCE = 8 !! imbalance
+  integer, parameter, public :: B_BONDS = 9     !! energy stored in bonds
+  integer, parameter, public :: B_DAMAGE = 10   !! energy that bonds dissipate by damage
+  integer, parameter, public :: B_VISCOUS = 11  !! energy that bonds dissipate by VISCous
+  integer, parameter, public :: B_CREATED = 12  !! energy created by contact forces
+  integer, parameter, public :: B_ERROR = 13    !! bound on the error of the work
 
   !> The quantity of one column.
   type :: quantity_t

@@ -67,7 +67,7 @@ contains
     a = dynamics%c(1)*du - dynamics%c(2)*dynamics%v(:, node) - dynamics%c(3)*dynamics%a(:, node)
   end function acceleration
 
-  !> At the end of a step, compute the velocities and accelerations that it reaches.
+  !> Compute the velocities and accelerations at the end of a step.
   pure subroutine advance(dynamics, du, dt, static)
     type(dynamics_t), intent(inout) :: dynamics
     real(wp), intent(in) :: du(:, :)             !! (3, nnode) [L]

@@ -26,8 +26,8 @@ module energy_type
     !! the same time [F L].
     real(wp) :: excess_without = 0.0_wp
     real(wp) :: largest = 0.0_wp      !! largest energy of bodies, contacts and motion [F L]
-    real(wp) :: growth = 0.0_wp       !! largest growth of the excess since `excess_before` [F L]
-    real(wp) :: growth_time = 0.0_wp  !! time of this growth
+    real(wp) :: growth = 0.0_wp       !! largest rise of the excess above `excess_before` [F L]
+    real(wp) :: growth_time = 0.0_wp  !! time at which `growth` was reached
     !> (3, nnode) Forces at the end of the previous step: of loads and supports, of inertia, and of
     !! contact [F].
     real(wp), allocatable :: f_outer(:, :), f_inert(:, :), f_contact(:, :)
@@ -69,14 +69,14 @@ contains
   !> Bound on the error of the trapezoidal rule in a step, from the changes of displacement and
   !! force in this step and in the previous one.
   !!
-  !! If the force varies monotonically, its work lies between the works of two constant forces, its
-  !! first value and its last value, so the error is at most half of |rise.du|, where rise is the
-  !! change of the force. If the force is a convex or a concave function of the displacement over
-  !! both steps, its work also lies between the works of two linear forces: one follows the chord of
-  !! this step, the other one continues the chord of the previous step and therefore changes by r
-  !! rise_before, where r is the length of du divided by that of du_before. If the direction of
-  !! motion changes, a further term is added to this second bound. The smaller one of the two bounds
-  !! is used.
+  !! If the force varies monotonically, its work lies between the work of its first value and that
+  !! of its last value, each taken as constant. The error is then at most half of |rise.du|, where
+  !! rise is the change of the force. If the force is a convex or a concave function of the
+  !! displacement over both steps, its work also lies between the works of two linear forces: one
+  !! follows the chord of this step, the other one continues the chord of the previous step and
+  !! therefore changes by r rise_before, where r is the length of du divided by that of du_before.
+  !! If the direction of motion changes, a further term is added to this second bound. The smaller
+  !! one of the two bounds is used.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

@@ -49,7 +49,8 @@ contains
     end do
   end function levels
 
-  !> Find the normal direction d of a face and its tangents a and b; (a, b, d) is right-handed.
+  !> Find the direction d normal to a face and the directions a and b in it; (a, b, d) is
+  !! right-handed.
   pure subroutine face_directions(side, d, a, b)
     integer, intent(in) :: side
     integer, intent(out) :: d, a, b

@@ -131,8 +131,8 @@ contains
     end select
   end function table_slope
 
-  !> Factor of a load number. The factor of number 0 is the sum of all tables (as in FEAP); it is 1
-  !! if there is no table.
+  !> Factor of a load number. The factor of number 0 is the sum of all tables (as in FEAP). Without
+  !! any table, all factors are 1.
   pure function load_factor(factor, number) result(f)
     real(wp), intent(in) :: factor(:)  !! (ntable) current factors
     integer, intent(in) :: number

@@ -69,7 +69,7 @@ module mesh
     type(body_face_t) :: face(6)       !! of a mesh, face 1 is the whole boundary
     type(group_t), allocatable :: group(:) !! of a mesh or spline; not allocated: a patch
     integer, allocatable :: label(:)   !! (size(node)) of a mesh: ascending node numbers of its file
-    real(wp) :: thickness = 0.0_wp     !! of a mesh: twice its volume over its surface area [L]
+    real(wp) :: thickness = 0.0_wp     !! of a mesh: 2 (volume)/(surface area) [L]
     character(:), allocatable :: note  !! of a mesh: a summary of its file
   end type body_t
 

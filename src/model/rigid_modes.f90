@@ -243,7 +243,7 @@ contains
     end do
   end subroutine null_vectors
 
-  !> Displacement of the nodes of a body in a rigid motion; prescribed dofs do not move.
+  !> Displacement of the nodes of a body in a rigid motion; it is zero at prescribed dofs.
   pure function rigid_motion(body, c, eq, x) result(u)
     type(free_body_t), intent(in) :: body
     real(wp), intent(in) :: c(6)         !! coefficients (t, w)
