@@ -336,7 +336,8 @@ contains
     if (next_character(p) == ')') then
       p%at = p%at + 1
     else if (p%at > len(p%text)) then
-      call reject(p, "unclosed '('", first, 1, 'a blank ends an expression, except in PARAmeters')
+      call reject(p, "unclosed '('", first, 1, 'add '')'', or remove blanks, which end ' &
+                  //'an expression except in PARAmeters')
     else
       call reject(p, 'unexpected '//quoted(character_at(p)), p%at, 1)
     end if

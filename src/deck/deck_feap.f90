@@ -38,7 +38,8 @@ module deck_feap
       'there are no regions; give each body its own PATCh, or its own material'), &
     advice_t('flex', 'every body is flexible, except a PATCh of TYPE RIGId'), &
     advice_t('foll', 'PRESsure with FOLLower follows the surface'), &
-    advice_t('glob', 'the control record gives ndm and ndf, and MATErial the type of strains'), &
+    advice_t('glob', &
+      'the control record gives ndm and ndf; SMALl or FINIte of MATErial chooses the strains'), &
     advice_t('join', 'TIE joins nodes at the same position; there are no other joints'), &
     advice_t('lfor', 'FORCe, EFORce and CFORce load nodes, and PRESsure loads faces'), &
     advice_t('load', &
@@ -53,7 +54,7 @@ module deck_feap
     advice_t('nopa pars', 'expressions are always evaluated; remove this word'), &
     advice_t('orde', 'METIS orders the equations; remove this word'), &
     advice_t('peri', &
-      'CONStraint of MESH ties a node to others; there are no other periodic conditions'), &
+      'there are no periodic conditions; CONStraint of MESH ties a node to others'), &
     advice_t('pola', &
       'COORdinates take expressions, such as r*cosd(30); TRANsform rotates and shifts nodes'), &
     advice_t('reac', 'FORCe loads nodes; REAC is a command between BATCh and END'), &
@@ -89,7 +90,7 @@ module deck_feap
     advice_t('bfgs', &
       'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'), &
     advice_t('chec', 'every deck is checked before it is solved; bezel --check only checks it'), &
-    advice_t('comm', '! starts a comment'), &
+    advice_t('comm', 'comments begin with !'), &
     advice_t('cont', 'contact is found anew in each iteration; remove this word'), &
     advice_t('damp', &
       'there is no damping matrix; TRANsient,HHT and TRANsient,BACK dissipate energy'), &
@@ -117,7 +118,7 @@ module deck_feap
         //'change loads and motions'), &
     advice_t('moda', 'modes are not computed; TRANsient integrates in time'), &
     advice_t('newf', &
-      'give loads that must remain a load table of their own with PROP, ' &
+      'loads that must stay constant need a load table of their own: PROP, ' &
         //'FPROportional and EPROportional'), &
     advice_t('nonl', 'the material law decides whether a body is nonlinear: ELAStic NEOHook is'), &
     advice_t('ntan', 'TANG and UTAN form the tangent of all elements'), &

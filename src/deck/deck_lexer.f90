@@ -1,8 +1,8 @@
 !> Divides the lines of a deck into fields.
 !!
-!! Blanks, a comma or = separate fields; there is an empty field between two commas; commas inside
-!! parentheses belong to the field. ! starts a comment, text in "..." is one field, and a line that
-!! ends with & continues on the next one.
+!! Blanks, a comma or `=` separate fields. Two commas in a row enclose an empty field; a comma
+!! inside parentheses belongs to its field. `!` starts a comment, text in "..." is one field, and a
+!! line that ends with `&` continues on the next one.
 module deck_lexer
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: key_of
@@ -59,7 +59,8 @@ contains
       if (line <= source%nline) then
         if (verify(source%text(source%first(line):source%last(line)), BLANKS) > 0) cycle
       end if
-      call reject(cutter, cutter%at, 'no line follows a record that ends with &', 'remove the &')
+      call reject(cutter, cutter%at, 'a record ends with ''&'', but no line follows', &
+                  'remove the ''&''')
       exit
     end do
     record%file = source%path

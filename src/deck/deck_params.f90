@@ -55,8 +55,9 @@ contains
     params%order = [params%order(:at - 1), params%n, params%order(at:)]
   end subroutine set_parameter
 
-  !> Record how the deck spells the name of a parameter that it sets, and where. The earlier
-  !! spelling and its line are returned; `earlier` is not allocated if there is none.
+  !> Record how the deck spells the name of a parameter that it sets, and in which line. The
+  !! spelling of the previous assignment and its line are returned; `earlier` is not allocated if
+  !! there is none.
   subroutine note_spelling(params, spelling, line, earlier, earlier_line)
     type(params_t), intent(inout) :: params
     character(*), intent(in) :: spelling

@@ -17,7 +17,7 @@ module deck_reader
   integer, parameter :: MOST_FILES = 16         !! largest depth of nested INCLude records
   integer, parameter :: MOST_LOOPS = 10         !! largest depth of nested loops
   integer, parameter :: MOST_PASSES = 1000000   !! largest number of passes of one loop
-  integer, parameter :: MOST_REPEATED = 10000000 !! limit on records that loops read again
+  integer, parameter :: MOST_REPEATED = 10000000 !! limit on records in loops, repeated lines
   integer, parameter :: MOST_INCLUDED = 100000   !! largest number of INCLude records executed
 
   !> A file that is being read.
@@ -31,7 +31,7 @@ module deck_reader
     integer :: frame = 0, line = 0 !! where its body begins
     integer :: left = 0            !! number of passes that follow this one
     integer :: passes = 1
-    integer :: nrecord = 0         !! number of records in its first pass
+    integer :: nrecord = 0         !! records read in its body and NEXT; counted only up to 6
     type(place_t) :: place
   end type loop_t
 
@@ -39,7 +39,7 @@ module deck_reader
     private
     type(source_list_t) :: files !! every file of the deck that has been read
     integer :: nframe = 0, nloop = 0
-    integer :: repeated = 0      !! records read in second and later passes, or included again
+    integer :: repeated = 0      !! records read in loops, and lines of files included again
     integer :: nincluded = 0     !! INCLude records executed
     type(frame_t) :: frame(MOST_FILES)
     type(loop_t) :: loop(MOST_LOOPS)
@@ -99,8 +99,7 @@ contains
     end do
   end subroutine next_record
 
-  !> Read the next record other than INCLude, LOOP and NEXT. If one of these comes first, it is
-  !! executed.
+  !> Read the next record other than INCLude, LOOP and NEXT, and execute those that come before it.
   subroutine next_unrolled(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params
@@ -218,8 +217,7 @@ contains
     reader%frame(reader%nframe) = frame_t(source=i, line=1)
   end subroutine include_file
 
-  !> Begin a loop (LOOP,n). If there is an error, the body is read once, so that NEXT still finds
-  !! its LOOP.
+  !> Begin a loop (LOOP,n). If n is wrong, the body is read once, so that NEXT still finds its LOOP.
   subroutine begin_loop(reader, params, record, error)
     type(reader_t), intent(inout) :: reader
     type(params_t), intent(in) :: params

@@ -187,7 +187,7 @@ contains
     integer :: i
 
     i = comma_field(record, 2)
-    if (i == 0) i = comma_field(record, 1) ! often a node and its increment
+    if (i == 0) i = comma_field(record, 1) ! fields 1 and 2 are often a node and an increment
     if (i == 0) return
     whole = record%text(i)
     part = record%text(i + 1)
@@ -269,7 +269,7 @@ contains
                                       //to_text(i), record%place(i))
   end subroutine get_word
 
-  !> The path that field i names, relative to the file that contains the record.
+  !> The path in field i; a relative path starts from the folder of the record's file.
   pure function resolve_path(record, i) result(path)
     type(record_t), intent(in) :: record
     integer, intent(in) :: i

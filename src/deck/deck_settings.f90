@@ -61,7 +61,7 @@ contains
 
   !> Get the value that the command line gives to a parameter of the deck. It replaces only the
   !! first value that the deck assigns; later assignments take effect, so that a counter in a LOOP
-  !! starts from this value.
+  !! starts from the value of the command line.
   subroutine use_setting(list, name, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name
@@ -91,10 +91,10 @@ contains
       if (len(hint) > 0) then
         hint = 'nearest known: '//hint
       else
-        hint = 'the deck has no parameters'
+        hint = 'the deck sets no parameters'
       end if
-      call fail(error, DECK_ERROR, 'the deck has no parameter '//quoted(list(i)%name)//', which ' &
-                //'--set gives', hint=hint)
+      call fail(error, DECK_ERROR, 'the deck does not set parameter '//quoted(list(i)%name) &
+                //', which --set changes', hint=hint)
       return
     end do
   end subroutine check_used

@@ -16,7 +16,7 @@ module deck_source
     character(:), allocatable :: text      !! the whole file
     integer(i8) :: identity(2) = 0         !! device and inode
     integer :: nline = 0
-    integer, allocatable :: first(:), last(:) !! (nline) range of each line, without its end
+    integer, allocatable :: first(:), last(:) !! (nline) characters of each line, without its end
   end type source_t
 
   type :: entry_t

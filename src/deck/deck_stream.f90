@@ -70,8 +70,8 @@ contains
     whole = deck%comma%text(i)
     part = deck%comma%text(i + 1)
     call warn(quoted(whole//','//part)//' is read as two numbers', deck%comma%place(i), 'a comma ' &
-              //'separates numbers: write '//whole//'.'//part//', or a blank between two ' &
-              //'numbers; further such numbers are not reported')
+              //'separates numbers: write '//whole//'.'//part//' for one number, or put a blank ' &
+              //'between two; further such numbers are not reported')
   end subroutine warn_of_comma
 
   !> Text of the deck with all its files and the settings of the command line.
@@ -222,8 +222,8 @@ contains
     call get_real(deck, record, i, x, error)
     if (allocated(error)) return
     if (abs(x) > huge(n)) then
-      call fail(error, DECK_ERROR, quoted(record%text(i))//' is larger than '//to_text(huge(n)), &
-                record%place(i))
+      call fail(error, DECK_ERROR, quoted(record%text(i))//' is outside the range of integers, -' &
+                //to_text(huge(n))//' to '//to_text(huge(n)), record%place(i))
     else if (abs(x - anint(x)) > 4*epsilon(x)*abs(x)) then
       call fail(error, DECK_ERROR, quoted(record%text(i))//' is not a whole number: ' &
                 //to_text(x, 10), record%place(i), 'int(...) truncates a number')
@@ -327,7 +327,7 @@ contains
           if (allocated(error)) return
           call fail(error, DECK_ERROR, 'expected name = expression, found the word ' &
                     //quoted(record%text(1)), record%place(1), 'close PARAmeter with a blank ' &
-                    //'record; or, if a parameter of this name is meant, write an equals sign')
+                    //'record; or, if a parameter of this name is meant, write ''='' after it')
           return
         end if
         call get_assignment(deck, record, name, value, found)

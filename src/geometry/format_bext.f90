@@ -102,7 +102,7 @@ contains
       if (words_left(text) /= 6) then
         call fail_in_file(text, 'expected 6 numbers for a group of elements, found ' &
                           //to_text(words_left(text)), error, &
-                          'the numbers are etype ne nn ncv and the two degrees of a surface')
+                          'expected ''etype ne nn ncv pr ps'', where pr and ps are degrees')
         return
       end if
       call next_integer(text, 'an element type', etype, error)

@@ -1,5 +1,5 @@
-!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, and sets. All numbers
-!! start at 0.
+!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, and sets. All of
+!! these are numbered from 0.
 !!
 !! A sparse vector has the positions of its entries in `indices` and their values in `components`.
 !! Source: files of the package CoreformIGA.jl

@@ -1,4 +1,5 @@
-!> Meshes in separate files of FEAP records: COORdinates and ELEMents, each up to a blank line.
+!> Meshes in separate files of FEAP records: the lists of COORdinates and of ELEMents, each of which
+!! ends with a blank line.
 !!
 !!   n  0  x y z            e  0  material  n1 n2 ...
 !!
@@ -38,8 +39,8 @@ contains
         call read_elements(text, file, error)
       case default
         call fail_in_file(text, 'expected COORdinates or ELEMents, found '//quoted(word), error, &
-                          'a blank line ends the records of each; all other records belong in ' &
-                          //'the deck')
+                          'a blank line ends the list of nodes and that of elements; all ' &
+                          //'other records belong in the deck')
       end select
       if (allocated(error)) return
     end do
@@ -104,7 +105,7 @@ contains
     number = 0
     if (n < least .or. n > most) then
       call fail_in_file(text, 'the record has '//to_text(n)//' numbers', error, &
-                        'write records as '//usage)
+                        'write records in the form '''//usage//'''')
       return
     end if
     call next_integer(text, 'a number', number, error)

@@ -63,11 +63,11 @@ contains
     text%at = first
     call enter(text, 'coefs', tag, part)
     if (tag == 0) then
-      call fail_in_file(text, 'the geometry has no coefs', error)
+      call fail_in_file(text, 'the geometry has no tag ''coefs''', error)
     else if (attribute(text, tag, 'geoDim') /= '3') then
       call fail_in_file(text, "expected geoDim '3', found " &
                         //quoted(attribute(text, tag, 'geoDim')), error, &
-                        'a body has coordinates in three dimensions')
+                        'points must have three coordinates')
     else
       call read_all(part, 'a coordinate', x, error)
     end if
@@ -188,8 +188,8 @@ contains
     call next_reals(part, what, x, error)
     if (allocated(error)) return
     call next_word(part, word)
-    if (len(word) > 0) call fail_in_file(part, 'expected the end after '//to_text(size(x)) &
-                                         //' numbers, found '//quoted(word), error)
+    if (len(word) > 0) call fail_in_file(part, 'expected only '//to_text(size(x)) &
+                                         //' numbers, found another word: '//quoted(word), error)
   end subroutine read_all
 
   !> Read the next knot vector.
@@ -204,7 +204,7 @@ contains
 
     call enter(text, 'KnotVector', tag, part)
     if (tag == 0) then
-      call fail_in_file(text, 'direction '//to_text(d)//' has no KnotVector', error)
+      call fail_in_file(text, 'direction '//to_text(d)//' has no tag ''KnotVector''', error)
       return
     end if
     degree = attribute(text, tag, 'degree')

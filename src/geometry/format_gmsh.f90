@@ -202,7 +202,7 @@ contains
       if (allocated(error)) return
       n = total
       if (is_new) then
-        call next_integers(text, 'dimension, tag and type of elements', head, error)
+        call next_integers(text, 'the dimension, tag or type of a block of elements', head, error)
         if (.not. allocated(error)) call check_type(text, head(3), file, error)
         if (.not. allocated(error)) call next_count(text, 'the number of elements', n, error)
       end if
@@ -297,8 +297,8 @@ contains
     entity = 0
     do b = 1, nblock
       if (is_new) then
-        call next_integers(text, 'dimension, tag and kind of an entity', entity, error)
-        if (.not. allocated(error)) call next_count(text, 'the number of its nodes', n, error)
+        call next_integers(text, 'the dimension, tag or kind of an entity', entity, error)
+        if (.not. allocated(error)) call next_count(text, 'the number of nodes', n, error)
         if (allocated(error)) return
         if (n > file%nnode - done) then
           call fail_in_file(text, 'expected '//to_text(file%nnode) &

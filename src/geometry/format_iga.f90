@@ -35,7 +35,7 @@ contains
     call next_word(text, word)
     if (word /= 'surface' .and. word /= 'plane') then
       call fail_in_file(text, 'the file is of type '//quoted(word), error, &
-                        'a surface is of type surface or plane')
+                        'expected ''type surface'' or ''type plane''')
       return
     end if
     call next_keyword(text, 'nodeN', error)
@@ -59,7 +59,7 @@ contains
       if (words_left(text) /= 3) then
         call fail_in_file(text, 'expected belem with 3 numbers, found ' &
                           //to_text(words_left(text)), error, &
-                          'write belem, the number of functions and the two degrees of the surface')
+                          '''belem'' is followed by the number of functions and two degrees')
         return
       end if
       call next_integer(text, 'the number of functions', n, error)

@@ -129,7 +129,7 @@ contains
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
       call fail_in_file(text, 'the JSON value is too large', error, 'there may be at most ' &
-                        //to_text(MOST)//' values, nested at most '//to_text(DEEPEST)//' deep')
+                        //to_text(MOST)//' values in at most '//to_text(DEEPEST)//' levels')
       return
     end if
     select case (c)
@@ -263,7 +263,7 @@ contains
     end if
   end subroutine fail_expected
 
-  !> Find a member of value i, which must have a given type.
+  !> Find the member `name` of value i; the member must have a given type.
   subroutine get(text, json, i, name, type, found, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json

@@ -74,7 +74,7 @@ contains
       if (len_trim(name) == 0) then
         call fail_in_file(text, 'the file has '//to_text(nelem) &
                           //' patches, but the deck names none of them', &
-                          error, 'name a patch by its number: FILE path 1')
+                          error, 'name a patch by its number, for example ''FILE path 1''')
       else
         call fail_in_file(text, 'the file has no patch '//quoted(trim(name)), error, &
                           'the file has patches 1 to '//to_text(nelem))
@@ -166,7 +166,7 @@ contains
         call read_knots(text, mfem%dir, error)
         exit
       case ('')
-        call fail_in_file(text, 'expected knotvectors, found the end of the file', error)
+        call fail_in_file(text, 'expected ''knotvectors'', found the end of the file', error)
       case default
         call fail_in_file(text, 'section '//quoted(word)//' is not supported', error, 'known ' &
                           //'sections: dimension elements boundary edges vertices knotvectors ' &
@@ -176,9 +176,10 @@ contains
     end do
     if (allocated(error)) return
     if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
-      call fail_in_file(text, 'elements and edges must come before knotvectors', error)
+      call fail_in_file(text, 'the sections ''elements'' and ''edges'' must come before ' &
+                        //'''knotvectors''', error)
     else if (size(mfem%vertex) == 0 .or. size(mfem%edge) == 0) then
-      call fail_in_file(text, 'elements and edges must come before knotvectors', error)
+      call fail_in_file(text, 'the section ''elements'' or ''edges'' is empty', error)
     else if (max(maxval(mfem%vertex), maxval(mfem%edge(2:3, :))) >= mfem%nvertex) then
       call fail_in_file(text, 'an element or edge refers to a vertex outside the range 0 to ' &
                         //to_text(mfem%nvertex - 1), error)
@@ -231,7 +232,7 @@ contains
     dimension = 0
     call next_word(text, word)
     if (word /= 'weights') then
-      call fail_in_file(text, 'expected weights, found '//quoted(word), error)
+      call fail_in_file(text, 'expected ''weights'', found '//quoted(word), error)
       return
     end if
     call next_reals(text, 'a weight', mfem%w, error)
@@ -246,7 +247,7 @@ contains
       case ('Ordering:')
         call next_count(text, 'the ordering', ordering, error)
       case default
-        call fail_in_file(text, 'expected FiniteElementSpace, found '//quoted(word), error)
+        call fail_in_file(text, 'expected ''FiniteElementSpace'', found '//quoted(word), error)
       end select
       if (allocated(error)) return
     end do
@@ -326,7 +327,7 @@ contains
       i = find_edge(mfem, mfem%vertex(1, e), mfem%vertex(NEIGHBOUR(d), e))
       if (i == 0) then
         call fail_in_file(text, 'element '//to_text(e) &
-                          //' has an edge that is not in the section edges', error)
+                          //' has an edge that the section ''edges'' does not list', error)
         return
       end if
       n(d) = nfunction(mfem%dir(mfem%edge(1, i) + 1))
@@ -386,7 +387,7 @@ contains
         i = find_edge(mfem, vertex(local(1) + 1), vertex(local(2) + 1))
         if (i == 0) then
           call fail_in_file(text, 'element '//to_text(e) &
-                            //' has an edge that is not in the section edges', error)
+                            //' has an edge that the section ''edges'' does not list', error)
           return
         else if (nfunction(mfem%dir(mfem%edge(1, i) + 1)) /= n(axis(local(1), local(2)))) then
           call fail_in_file(text, 'opposite edges of element '//to_text(e) &

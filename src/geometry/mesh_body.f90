@@ -1,4 +1,4 @@
-!> The body of a MESH block: blocks of elements, boundary and named groups of a mesh file.
+!> The body that MESH makes from a mesh file: element blocks, boundary and named groups.
 module mesh_body
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -81,6 +81,7 @@ contains
     type(mesh_spec_t), intent(in) :: spec
     integer, allocatable, intent(out) :: material(:) !! (nelem)
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: hint
     logical, allocatable :: chosen(:)
     integer :: e, i, m
 
@@ -93,8 +94,11 @@ contains
         end if
         chosen = group_named(file, set%group)
         if (.not. any(chosen)) then
+          hint = group_hint(file, set%group)
+          if (.not. allocated(file%group)) hint = 'the mesh file has no groups; MATErial m ' &
+                                                  //'without a group applies to all elements'
           call fail(error, DECK_ERROR, 'mesh '//quoted(spec%spec%name)//' has no group ' &
-                    //quoted(set%group), set%group_place, group_hint(file, set%group))
+                    //quoted(set%group), set%group_place, hint)
           return
         end if
         do m = 1, file%nmember
@@ -105,8 +109,9 @@ contains
     do e = 1, spec%file%nelem
       if (material(e) > 0 .or. .not. spec%file%solid(e)) cycle
       call fail(error, DECK_ERROR, 'element '//to_text(spec%file%label(e))//' of mesh ' &
-                //quoted(spec%spec%name)//' has no material', spec%spec%place, 'write MATErial ' &
-                //'m, which gives all elements a material, before the records MATErial m group')
+                //quoted(spec%spec%name)//' has no material', spec%spec%place, &
+                'write ''MATErial m'', which gives all elements a material, before the records ' &
+                //'''MATErial m group''')
       return
     end do
   end subroutine find_materials

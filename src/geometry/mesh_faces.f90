@@ -104,7 +104,7 @@ contains
     end do
   end subroutine make_key
 
-  !> The boundary face that has the nodes of surface element e; 0 if there is none.
+  !> The boundary face that has the corners of surface element e; 0 if there is none.
   pure integer function face_of(faces, file, e) result(f)
     type(faces_t), intent(in) :: faces
     type(mesh_file_t), intent(in) :: file

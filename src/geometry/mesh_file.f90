@@ -99,8 +99,8 @@ contains
     file%member(:, n) = [file%nelem, g]
   end subroutine add_member
 
-  !> Sort the nodes by their numbers, and replace the node numbers of the elements by indices. The
-  !! numbers of nodes must be unique, and the nodes of elements must exist.
+  !> Sort the nodes by their numbers, and replace the node numbers of the elements by indices. Node
+  !! numbers must be unique, and the nodes of elements must exist.
   subroutine sort_nodes(file, text, error)
     type(mesh_file_t), intent(inout) :: file
     type(text_t), intent(inout) :: text

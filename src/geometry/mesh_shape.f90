@@ -17,8 +17,8 @@ module mesh_shape
     integer :: ncorner = 0           !! number of corners, which come first in a surface element
     !> Row of the table of elements; its name is empty if there is no row for this shape.
     type(element_t) :: row
-    type(cell_t) :: cell             !! its degrees
-    type(topology_t) :: topology     !! its topology
+    type(cell_t) :: cell             !! degrees of the elements
+    type(topology_t) :: topology     !! faces and nodes of the elements
   end type shape_t
 
   !> Gmsh types without a row in the table of elements (Gmsh reference manual, section MSH file

@@ -52,7 +52,7 @@ contains
     d = minloc(spec%nelem, 1)
     if (spec%nelem(d) < 1) then
       call fail_patch(spec, 'has '//to_text(spec%nelem(d))//' elements in direction '//to_text(d), &
-                      'give ELEMents n1 n2 n3', error)
+                      'ELEMents n1 n2 n3 needs positive numbers', error)
       return
     end if
     select case (spec%type)

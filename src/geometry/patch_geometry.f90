@@ -213,7 +213,7 @@ contains
 
     if (all(breaks(2:) > breaks(:size(breaks) - 1))) return
     call fail(error, DECK_ERROR, 'the knots in direction '//to_text(d)//" of patch '"//spec%name &
-              //"' do not increase from "//to_text(breaks(1))//' to ' &
+              //"' are not in ascending order between "//to_text(breaks(1))//' and ' &
               //to_text(breaks(size(breaks))), spec%place, &
               'KNOTs,dir lists each interior knot once and omits the two ends')
   end subroutine check_rising
@@ -258,7 +258,8 @@ contains
       call fail(error, DECK_ERROR, &
                 "patch '"//spec%name//"' has "//to_text(spec%nelem(d))//' elements in direction ' &
                 //to_text(d)//', but '//to_text(size(k))//' knot spans', spec%place, &
-                'give a multiple of '//to_text(size(k))//', or KNOTs,'//to_text(d)//' list')
+                'give a multiple of '//to_text(size(k))//' elements, or list the knots in KNOTs,' &
+                //to_text(d))
       return
     end if
     breaks = [((old(e) + (old(e + 1) - old(e))*i/m, i=0, m - 1), e=1, size(k)), &

@@ -20,8 +20,8 @@ module patch_lagrange
 
   !> The lattice of nodes. Along each direction, element c extends from lattice line m (c-1) to m c.
   type :: lattice_t
-    integer :: m = 1                        !! intervals in an element: its degree
-    integer :: n(3) = 0                     !! total number of intervals
+    integer :: m = 1                        !! intervals of an element in a direction: its degree
+    integer :: n(3) = 0                     !! number of intervals in each direction
     integer, allocatable :: node(:, :, :)   !! (0:n1, 0:n2, 0:n3); 0 on enriched faces
   end type lattice_t
 
@@ -182,7 +182,7 @@ contains
         name = name//to_text(e%degree)
         if (e%raise > 0) name = name//'.'//to_text(e%raise)
         if (e%tapered) name = name//'T'
-        if (row%nmode == 0) then ! the same rule serves both, so they share one block
+        if (row%nmode == 0) then ! hexahedra and prisms have the same rule and share a block
           call layer_block(spec, surface, name, row, m, nhexa(s) + nprism(s), 0, draft, &
                            layer%hexa(s))
           layer%prism(s) = layer%hexa(s)

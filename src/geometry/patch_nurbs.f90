@@ -43,10 +43,10 @@ contains
         if (last /= n + p + 1 .or. n < p + 1) then
           call fail(error, DECK_ERROR, of//' has '//to_text(last)//' knots for '//to_text(n) &
                     //' control points and degree '//to_text(p), place, &
-                    'the number of knots must be that of control points plus degree + 1')
+                    'there must be as many knots as control points, plus the degree plus 1')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
-          call fail(error, DECK_ERROR, 'the knots in '//of//' do not increase', place, &
-                    'list them in increasing order')
+          call fail(error, DECK_ERROR, 'the knots in '//of//' are not in ascending order', place, &
+                    'list them in ascending order; a knot may be repeated')
         else if (s%knots(p + 1) > s%knots(1) .or. s%knots(last - p) < s%knots(last) &
                  .or. .not. s%knots(last) > s%knots(1)) then
           call fail(error, DECK_ERROR, 'the knot vector in '//of//' is not open', place, &

@@ -100,7 +100,7 @@ contains
     end do
   end subroutine compose
 
-  !> Rotation about a unit axis (Rodrigues), which is exact for right angles.
+  !> Matrix of the rotation about a unit axis (Rodrigues' formula); it is exact for right angles.
   pure function rotation(axis, angle) result(r)
     real(wp), intent(in) :: axis(3), angle
     real(wp) :: r(3, 3), c, s

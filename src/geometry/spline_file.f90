@@ -48,8 +48,8 @@ contains
       call read_iga(text, surface, error)
     else
       call fail_in_file(text, 'unknown format of a spline surface', error, &
-                        'known formats: BEXT 2.0 as JSON, or as text that begins with ' &
-                        //BEXT_HEAD//'; .iga; G+Smo XML')
+                        'known formats: BEXT 2.0 (as JSON, or as text that begins with ''' &
+                        //BEXT_HEAD//'''), .iga and G+Smo XML')
     end if
   end subroutine read_spline_file
 

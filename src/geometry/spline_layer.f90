@@ -43,7 +43,7 @@ contains
       if (allocated(error)) return
       if (e < 1 .or. e > nelem) then
         call fail_in_file(text, 'element '//to_text(e)//' is not in the surface', error, &
-                          'the elements of the surface are 1 to '//to_text(nelem) &
+                          'the elements of the surface are numbered 1 to '//to_text(nelem) &
                           //', in the order of its file')
       else if (any(node < 1)) then
         call fail_in_file(text, 'node number '//to_text(minval(node))//' is not positive', error)
