@@ -50,7 +50,7 @@ contains
     if (any(run%model%contact(:)%ncell > 1)) then
       call fail(error, DECK_ERROR, 'AUGMent cannot be used together with REFIne', &
                 command%record%place(1), 'remove AUGMent, or replace REFIne by more integration ' &
-                //'points, QUADrature n1 n2')
+                //'points (QUADrature n1 n2)')
       return
     end if
     if (run%program%dry) then

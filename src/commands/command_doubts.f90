@@ -58,8 +58,8 @@ contains
     end associate
   end subroutine warn_here
 
-  !> Do the commands with the given names come only before command i? In a loop that contains
-  !! command i, commands come after it too.
+  !> Do the commands with the given names run only before command i? Those before it in a loop that
+  !! contains it also run after it, in the next pass.
   pure logical function is_late(run, i, key) result(late)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i

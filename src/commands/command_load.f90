@@ -23,10 +23,10 @@ contains
   function load_rows() result(row)
     type(command_row_t) :: row(2)
 
-    row(1) = new_row('PROP', 'PROP,,k1[,k2], then one table for each number after END', 3, &
+    row(1) = new_row('PROP', 'PROP,,k1[,k2]; its tables, one per number, come after END', 3, &
                      run_prop, read_tables)
-    row(2) = new_row('PARAmeter', 'PARAmeter, then name = value records after END', 0, run_para, &
-                     read_assignments)
+    row(2) = new_row('PARAmeter', 'PARAmeter; its records name = value come after END', 0, &
+                     run_para, read_assignments)
   end function load_rows
 
   !> Find the numbers of the first and the last table that a PROP defines.
@@ -84,12 +84,13 @@ contains
             call get_real(run%deck, record, 4 + j, table%a(j), error, 0.0_wp)
           end do
           if (.not. allocated(error) .and. table%tmax <= table%tmin) then
-            call fail(error, DECK_ERROR, 'tmax must be larger than tmin', record%place(4), &
+            call fail(error, DECK_ERROR, 'expected tmax greater than tmin = ' &
+                      //to_text(table%tmin)//', found '//to_text(table%tmax), record%place(4), &
                       '1 k tmin tmax a1 a2 a3 a4 a5')
           end if
         case (2)
-          call check_count(record, 1, 2, '2 n, then records of n pairs t p each, and a blank ' &
-                           //'record', error)
+          call check_count(record, 1, 2, '''2 n'', then records of n pairs t p each, and a ' &
+                           //'blank record', error)
           if (.not. allocated(error)) call read_pairs(run, record, table, error)
         case default
           call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of load table", &
@@ -150,7 +151,7 @@ contains
     end do
     if (size(table%t) == 0) then
       call fail(error, DECK_ERROR, 'the load table has no pairs', opening%place(1), &
-                'after the record 2 n give records of n pairs t p each, and a blank record')
+                'after the record ''2 n'' give records of n pairs t p each, and a blank record')
     end if
   end subroutine read_pairs
 

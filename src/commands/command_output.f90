@@ -69,7 +69,7 @@ contains
       do i = 5, record%n
         if (.not. any(named_fields(record%text(i)))) then
           call fail(error, DECK_ERROR, 'unknown field '//quoted(record%text(i)), record%place(i), &
-                    'known fields: displacement stress mises pressure reaction contact')
+                    'known fields: displacement, stress, mises, pressure, reaction, contact')
         else if (record%key(i) == 'cont' .and. size(run%model%contact) == 0) then
           call fail(error, DECK_ERROR, 'field '//quoted(record%text(i)) &
                     //' needs a CONTact, but the deck has none', record%place(i), &

@@ -180,11 +180,14 @@ contains
 
   !> Warn about parameters for which long steps are unstable.
   !!
-  !! For an oscillator of frequency w and W = (w dt)^2, the amplification factors z of a step, as z
-  !! = (1 + s)/(1 - s), are the zeros of 4 s^2 (1 + s) + W (1 + A s)(1 + B s + C s^2), where A = 1 +
-  !! 2 alpha, B = 2 gamma - 1 and C = 4 beta - 2 gamma. No factor exceeds 1, however large W is, if
-  !! A >= 0, A + B >= 1 and C >= 0 (Routh and Hurwitz); if A + B < 1, the scheme is unstable for
-  !! every small W.
+  !! For an oscillator of frequency w, let W = (w dt)^2. With the amplification factors of a step
+  !! written as z = (1 + s)/(1 - s), the s are the zeros of
+  !!
+  !!   4 s^2 (1 + s) + W (1 + A s)(1 + B s + C s^2),
+  !!
+  !! where A = 1 + 2 alpha, B = 2 gamma - 1 and C = 4 beta - 2 gamma. No |z| exceeds 1, however
+  !! large W is, if A >= 0, A + B >= 1 and C >= 0 (Routh and Hurwitz); if A + B < 1, the scheme is
+  !! unstable for every small W.
   subroutine warn_unstable(command, beta, gamma, alpha)
     type(command_t), intent(in) :: command
     real(wp), intent(in) :: beta, gamma, alpha

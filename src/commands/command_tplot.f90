@@ -12,15 +12,15 @@ module command_tplot
   private
   public :: tplot_rows
 
-  character(*), parameter :: USAGE = 'DISP | REAC, node, direction, or for the node at x y z: ' &
-                             //'DISP | REAC, 0, direction, x y z'
+  character(*), parameter :: USAGE = '''DISP|REAC,node,direction'' or, for the node nearest to ' &
+                             //'x y z, ''DISP|REAC,0,direction,x,y,z'''
 
 contains
 
   function tplot_rows() result(row)
     type(command_row_t) :: row(1)
 
-    row(1) = new_row('TPLOt', 'TPLOt,,interval, then DISP or REAC records after END', &
+    row(1) = new_row('TPLOt', 'TPLOt,,interval; its records DISP or REAC come after END', &
                      2, run_tplot, read_tplot)
   end function tplot_rows
 
@@ -62,7 +62,7 @@ contains
     end do
     if (size(curve%quantity) == 0) then
       call fail(error, DECK_ERROR, 'TPLOt has no records', curve%place, &
-                'after END put '//USAGE//', and a blank record')
+                'after END put records '//USAGE//'; close them with a blank record')
       return
     end if
     do i = 1, size(run%model%curve)

@@ -90,7 +90,8 @@ contains
         if (largest <= SMALL) cycle
         call warn('displacement gradients reach '//to_text(100*largest, 3)//' % in step ' &
                   //to_text(run%state%step)//', but material ' &
-                  //to_text(run%model%material(block%material)%number)//' has SMALl strains', &
+                  //to_text(run%model%material(block%material)%number) &
+                  //' is for small strains (SMALl)', &
                   run%model%material(block%material)%place, 'SMALl is valid for strains and ' &
                   //'rotations of a few per cent; beyond that, use NEOHook with FINIte')
         run%plan%strain_warned = .true.

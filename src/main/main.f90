@@ -106,7 +106,7 @@ program main
   if (rank_count() > 1) call log_line('runs on '//to_text(rank_count())//' ranks')
   call list_model(job%model)
 
-  ! Factors that do not fit into memory go to files beside the results. MUMPS takes no long names.
+  ! Factors that do not fit into memory go to files beside the results. MUMPS rejects long names.
   if (len(options%outdir) < 200) call set_default('MUMPS_OOC_TMPDIR', options%outdir)
   call set_default('MUMPS_OOC_PREFIX', 'factors')
   if (.not. allocated(refused)) call execute(job, error)

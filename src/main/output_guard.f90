@@ -45,7 +45,7 @@ contains
       call fail(error, DECK_ERROR, 'the results would overwrite '//quoted(name) &
                 //', which this run reads', hint=HINT)
     else if (len(base_name(path)) + len('.probe') > LONGEST) then
-      call fail(error, DECK_ERROR, 'the name of a result would have ' &
+      call fail(error, DECK_ERROR, 'the name of a result file would have ' &
                 //to_text(len(base_name(path)) + len('.probe'))//' characters, more than ' &
                 //to_text(LONGEST), hint=HINT)
     end if

@@ -26,7 +26,8 @@ module hdf5_file
 
   integer, parameter, public :: AS_REAL = 1, AS_INT64 = 2, AS_INT32 = 3, AS_UINT8 = 4 !! on disk
 
-  !> put(file, name, values, error[, first]) writes rows from row `first` (counted from 1) on.
+  !> put(file, name, values, error[, first]) writes rows, the first of them to row `first` (counted
+  !! from 1).
   interface put
     module procedure put_real_1, put_real_2, put_integer_1
   end interface put

@@ -275,7 +275,7 @@ contains
     call h5eset_auto_f(0, status)
     call h5pcreate_f(H5P_FILE_ACCESS_F, access, status)
     call h5pset_fclose_degree_f(access, H5F_CLOSE_STRONG_F, status)
-    call h5pset_meta_block_size_f(access, 32768_HSIZE_T, status) ! keeps the structure together
+    call h5pset_meta_block_size_f(access, 32768_HSIZE_T, status) ! keeps metadata together
   end subroutine start_library
 
   !> Report a failure of the library with the reason that the operating system gives.

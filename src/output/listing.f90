@@ -87,7 +87,7 @@ contains
         call log_line('free      '//body(b)%name//' can '//motions//' unless contact holds it')
       else if (asked) then
         call warn('nothing holds '//body(b)%name//', which can '//motions, &
-                  hint='support it: FIX or MOVE for patches, BOUN EBOU CBOU for nodes')
+                  hint='support it: FIX or MOVE for patches; BOUN, EBOU or CBOU for nodes')
       else
         call log_line('free      '//body(b)%name//' can '//motions//': nothing holds it')
       end if

@@ -2,9 +2,10 @@
 !! of both sides, the balance with the supports, and the states of the points.
 !!
 !! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
-!! differ by the discretisation error, which `sum` shows. With BALAnced or a rigid side the forces
-!! are opposite; the moments are opposite too, up to an error of tangential force times penetration.
-!! The forces of supports, contacts and loads add up to zero within the residual of the step.
+!! differ by the discretisation error, which their relative sum shows. With BALAnced or a rigid side
+!! the forces are opposite; the moments are opposite too, up to an error of tangential force times
+!! penetration. The forces of supports, contacts and loads add up to zero within the residual of the
+!! step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line
@@ -62,8 +63,8 @@ contains
     call log_line('          '//text)
   end subroutine list_contact
 
-  !> Sizes of both surfaces, such as 'sole': hemi 3- (9 elements, 225 points), block 3+ (4 elements,
-  !! rigid).
+  !> Name of a contact and sizes of its surfaces, such as
+  !! `'sole': hemi 3- (9 elements, 225 points), block 3+ (4 elements, rigid)`.
   function contact_size(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
@@ -168,7 +169,7 @@ contains
     whole%moment_size = whole%moment_size + part%moment_size
   end subroutine add
 
-  !> Length of a sum relative to the sum of the lengths.
+  !> The norm of the sum of two forces or moments, relative to their mean size; 0 if this is zero.
   pure function ratio(total, size) result(text)
     real(wp), intent(in) :: total(3), size
     character(:), allocatable :: text

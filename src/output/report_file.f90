@@ -34,9 +34,9 @@ module report_file
     character(:), allocatable :: name
     integer :: points = 0               !! number of integration points, both sides
     integer :: closed = 0               !! number of these that are in contact
-    !> Largest values over all steps: |F1 + F2| of the forces on both sides, relative to the larger
-    !! force, and penetration, relative to the width of an element or the thickness, whichever is
-    !! smaller [-].
+    !> Largest values over all steps [-]: of the sum |F1 + F2| of the forces on both sides, relative
+    !! to the larger force; and of the penetration, relative to the width of an element or to the
+    !! thickness, whichever is smaller.
     real(wp) :: balance = 0.0_wp, largest_penetration = 0.0_wp
   end type contact_row_t
 

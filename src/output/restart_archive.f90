@@ -160,7 +160,7 @@ contains
     character(:), allocatable :: path, name, text
     real(wp), allocatable :: reals(:)
     integer, allocatable :: integers(:)
-    integer, parameter :: MOST = 10000 !! limit on the values, and on the characters of a name
+    integer, parameter :: MOST = 10000 !! largest number of values
     integer :: i, k, count(1), ncol, nrow, type(1)
 
     call enter_group(archive, group, error)

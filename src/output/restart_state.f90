@@ -224,7 +224,7 @@ contains
     points%new_step = .true.
   end subroutine exchange_points
 
-  !> Exchange the same data for the control points of a side; other data are found when forces are
+  !> Exchange those data of the control points of a side that are not computed anew when forces are
   !! formed.
   subroutine exchange_control(archive, group, control, error)
     type(archive_t), intent(in) :: archive

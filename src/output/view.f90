@@ -23,7 +23,7 @@ module view
     integer :: npoint = 0, ncell = 0
     logical :: has_bezier = .false.         !! some cells have degrees and weights
     integer, allocatable :: first(:)        !! (ncell+1) position in `conn` of a cell's first point
-    integer, allocatable :: conn(:)         !! points of the cells, from 1
+    integer, allocatable :: conn(:)         !! points of the cells, numbered from 1
     integer, allocatable :: vtk(:)          !! (ncell) VTK cell type
     integer, allocatable :: degree(:, :)    !! (3, ncell)
     integer, allocatable :: material(:)     !! (ncell) number in the deck; 0: a rigid body
@@ -33,7 +33,7 @@ module view
     character(:), allocatable :: type_names !! such as '1 Q1N2.1, 2 Q1'
   end type view_t
 
-  !> A cell for one class of elements.
+  !> The cell of the elements of one class, which have the same shape functions.
   type :: class_t
     logical :: done = .false.
     integer :: vtk = 0, degree(3) = 1

@@ -105,8 +105,8 @@ contains
     end do
   end subroutine sample
 
-  !> Find the inverse of M(i, s) = B_i(t_s), so that the coefficients are b_i = sum_s v_s inverse(s,
-  !! i).
+  !> Find the inverse of M(i, s) = B_i(t_s). The coefficients of a polynomial with the values v_s at
+  !! the points t_s are b_i = sum_s v_s inverse(s, i).
   subroutine inverse_transposed(degree, inverse)
     integer, intent(in) :: degree
     real(wp), allocatable, intent(out) :: inverse(:, :)
@@ -142,7 +142,7 @@ contains
     if (2*(s - 1) == degree) t = 0.0_wp
   end function abscissa
 
-  !> Bernstein polynomials of a degree on [-1,1].
+  !> Bernstein polynomials of the given degree on [-1, 1].
   pure function bernstein_values(degree, t) result(b)
     integer, intent(in) :: degree
     real(wp), intent(in) :: t
@@ -159,7 +159,7 @@ contains
     end do
   end function bernstein_values
 
-  !> Are the weights not all equal?
+  !> Do the weights differ from one another?
   pure function is_rational(cell)
     type(cell_t), intent(in) :: cell
     logical :: is_rational

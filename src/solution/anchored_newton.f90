@@ -98,7 +98,8 @@ contains
     call anchor_force(newton%asm%anchors, state%u - state%u_step, force)
   end function loads_of
 
-  !> The sum of all loads, or of all reactions of supports if these are larger [F].
+  !> The sum of the magnitudes of all nodal loads or of all reactions of supports, whichever is
+  !! larger [F].
   pure real(wp) function sum_of_loads(newton, model, state) result(loads)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model

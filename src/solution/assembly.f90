@@ -202,8 +202,8 @@ contains
 
   !> Add the inertial forces and their tangent in a dynamic analysis.
   !!
-  !! The equations of HHT are divided by 1 + alpha, so the inertial forces in them are M a/(1 +
-  !! alpha) plus the share of the static force at the start of the step. This applies to free dofs.
+  !! The equations of HHT are divided by 1 + alpha. At free dofs, the inertial forces are therefore
+  !! M a/(1 + alpha) - alpha/(1 + alpha) f, where f is the static force at the start of the step.
   !! The force of a support is M a plus the static force at the end of the step.
   subroutine form_inertia(asm, model, state)
     type(assembler_t), intent(inout) :: asm
@@ -370,7 +370,7 @@ contains
     end do
   end subroutine add_found
 
-  !> Add the report of an element.
+  !> Add the report of an element to the results of the sweep.
   pure subroutine note(sweep, report, b, e, r, u)
     type(sweep_t), intent(inout) :: sweep
     type(form_report_t), intent(in) :: report

@@ -6,8 +6,8 @@
 !!     K a = -R,   K b = -dR/dt,   dt = (goal - G - G'.a)/(G'.b),   du = a + dt b.
 !!
 !! As a crack advances, G grows whether loads rise or fall, so dt can be found even where load
-!! control fails. If a step reaches the time that it must not pass before it reaches its goal, it
-!! ends at this time, with its load prescribed.
+!! control fails. No step passes its time limit. A step that reaches the limit but not its goal ends
+!! there, with its load prescribed.
 module constrained_newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use assembly, only: free_part, full_vector

@@ -100,8 +100,8 @@ contains
         if (can_control_release()) then
           call leave_load_control(path, BY_RELEASE)
           call log_line('path: load control ends at time '//to_text(step%start_time)//': '//why)
-          call log_line('path: control of the release takes over, at most ' &
-                        //to_text(100*path%largest_release)//' % of the bonds in a step')
+          call log_line('path: control of the release takes over; a step releases at most ' &
+                        //to_text(100*path%largest_release)//' % of the bonds')
         else
           changed = adds_inertia(step, model, state, 'load control ends', why)
         end if
@@ -119,9 +119,9 @@ contains
                     //next)
     end subroutine log_cut
 
-    !> Can the release of bonds be controlled by varying a load? There must be bonds and a load
-    !! table, and no bond may be viscous (VISCous). A load must already have done work, because
-    !! closed bonds do not show in which direction they will open.
+    !> Can the release of bonds be controlled by varying a load? There must be a load table and
+    !! bonds that are not yet released, and no bond may be viscous (VISCous). A load must already
+    !! have done work, because closed bonds do not show in which direction they will open.
     logical function can_control_release() result(yes)
       yes = step%continuation%method == PATH_RELEASE .and. any(model%contact(:)%cohesive%given) &
             .and. size(state%table) > 0
@@ -249,7 +249,7 @@ contains
                   //'ARCLength,OFF in the deck the run would end here')
       end if
       call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
-      call log_line('path: continues with inertia (implicit Euler steps, density ' &
+      call log_line('path: the run continues with inertia (implicit Euler steps, density ' &
                     //to_text(dynamics%density)//' in units of force, length and TIME)')
     end associate
   end function adds_inertia
@@ -264,6 +264,7 @@ contains
   end subroutine end_continuation
 
   !> Set the next arc length, or return to control of the release as soon as the bonds open again.
+  !! If the bonds close instead, continue with inertia.
   subroutine adapt_arc_control(step, model, state)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model

@@ -55,7 +55,7 @@ module continuation_type
     logical :: trial = .false.           !! the current step tries load control again
     integer :: steps = 0                 !! steps since load control failed or was last tried
     integer :: wait = FIRST_WAIT         !! steps before the next trial
-    integer :: next_wait = FIRST_WAIT    !! steps before the first trial after the next snap
+    integer :: next_wait = FIRST_WAIT    !! steps before the first trial when inertia is next added
     real(wp) :: density = -1.0_wp !! density of the deck [M/L^3]; negative: from the work done
     real(wp) :: release = 0.0_wp         !! fraction of the bonds that the next step releases
     real(wp) :: largest_release = LARGEST_RELEASE
@@ -69,8 +69,8 @@ module continuation_type
     logical :: warned_energy = .false.   !! a warning has said that the kinetic energy is too large
   end type continuation_t
 
-  !> A step with a prescribed measure: the release of the bonds, or the arc length in the tangent
-  !! plane (the component along the previous increment).
+  !> A step with a prescribed measure: the release of the bonds, or the arc length, which is the
+  !! component of the displacement increment (all nodes) along the previous one.
   type :: path_constraint_t
     logical :: on = .false.
     real(wp) :: increment = 0.0_wp       !! increment of the measure: [L^2] or [L]
@@ -262,8 +262,7 @@ contains
                                    start=state%time, limit=limit)
   end subroutine constrain_release
 
-  !> Begin a step with a given arc length, measured along the previous step. The length is the norm
-  !! of the vector of all displacements.
+  !> Begin a step with a given arc length. It is measured along the increment of the previous step.
   subroutine constrain_arc(constraint, state, length, limit)
     type(path_constraint_t), intent(out) :: constraint
     type(state_t), intent(in) :: state

@@ -2,9 +2,10 @@
 !! iterations that oscillate.
 !!
 !! Positions are known with a relative error of epsilon, so a nodal force is known with an error of
-!! epsilon times the stiffness of the node, times its displacement or the distance to its
-!! neighbours. This error is the rounding floor. Without this floor, a step in which nothing changes
-!! (a load held after unloading) consists of rounding errors only and never passes a relative test.
+!! epsilon times the stiffness of the node, times the sum of its displacement and the distance to
+!! its nearest neighbour. This error is the rounding floor. Without this floor, a step in which
+!! nothing changes (for example, if a load stays zero after unloading) would consist of rounding
+!! errors only and never pass a relative test.
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
@@ -36,12 +37,14 @@ module convergence
   !! FORCING. With kept factors, an ordinary solve uses a value between FORCING_LEAST and FORCING,
   !! an increment with prescribed motion FORCING_MOVED, and an increment with contact
   !! FORCING_CONTACT. FORCING_LAST is for a solve that only confirms convergence, and FORCING_ALONE
-  !! for a solve that is not repeated or whose bodies are not held by supports.
+  !! for a solve that is not repeated or in which only springs or anchors hold a body.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
   real(wp), parameter :: FORCING_LEAST = 1.0e-8_wp, FORCING_ALONE = 1.0e-12_wp
-  real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp !! up to this error, an increment is Newton's
-  real(wp), parameter :: NEARLY = 3.0_wp !! a residual up to this multiple is as expected
+  !> Largest relative residual of a solve whose increment counts as that of the whole tangent.
+  real(wp), parameter :: FORCING_NEWTON = 1.0e-4_wp
+  real(wp), parameter :: NEARLY = 3.0_wp !! a residual of up to this multiple of the expected one is
+  !! as expected
   real(wp), parameter :: MARGIN = 0.2_wp !! permitted residual of a solve, relative to the tolerance
   integer, parameter :: MOST_FLIPS = 5 !! number of consecutive changes of sign that shows an
   !! alternation

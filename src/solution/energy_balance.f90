@@ -51,7 +51,7 @@ contains
     energy = body_energy(model, state, 0) + contact_energy_of(model, state)
   end function stored_energy
 
-  !> The same at the start of the current step; the step must not have been accepted yet [F L].
+  !> The stored energy at the start of the current step, which is not accepted yet [F L].
   real(wp) function energy_at_start(model, state) result(energy)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

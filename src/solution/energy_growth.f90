@@ -60,7 +60,7 @@ contains
       total = stored_energy(model, state) + energy%kinetic
       energy%largest = max(energy%largest, total)
       growth_now = total - energy%outer - energy%excess_before - energy%error
-      if (growth_now <= (1.0_wp + GROWTH)*energy%growth) return ! a little more: keep the time
+      if (growth_now <= (1.0_wp + GROWTH)*energy%growth) return ! only a little more than before
       energy%growth = growth_now
       energy%growth_time = state%time
     end associate

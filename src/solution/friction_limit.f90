@@ -1,4 +1,4 @@
-!> Bodies that slide away because friction alone holds them: their loads leave the cone of the
+!> Bodies that friction cannot keep from sliding away: their loads lie outside the cone of the
 !! forces that contact can bear.
 !!
 !! Contact pushes a body along directions d, which are the normals of its own faces or of the
@@ -22,7 +22,7 @@ module friction_limit
   public :: sliding_text
 
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
-  real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m along a support
+  real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m in a supported direction
   real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that counts as rounding
 
 contains
@@ -53,15 +53,16 @@ contains
       if (spread + atan(largest) >= RIGHT_ANGLE) cycle
       if (.not. atan2(norm2(along), dot_product(r, m)) > spread + atan(largest) + MORE) cycle
       text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
-             //'holds it: its loads along the contact are ' &
-             //to_text(norm2(along)/dot_product(r, m), 3)//' times those normal to it, but ' &
+             //'holds it: its loads tangential to the contact are ' &
+             //to_text(norm2(along)/dot_product(r, m), 3)//' times its normal loads, but ' &
              //'friction bears at most '//to_text(largest, 3)//' times the normal loads'
       return
     end do
   end function sliding_text
 
-  !> The mean direction in which contacts push a body, the largest angle to it, and the largest
-  !! coefficient of friction. All are zero if a body has no friction.
+  !> The mean direction m in which contacts push a body, the largest angle between m and the
+  !! directions of single points, and the largest coefficient of friction, which is zero if no
+  !! contact of the body has friction.
   subroutine find_cone(model, body, x, m, spread, largest)
     type(model_t), intent(in) :: model
     type(free_body_t), intent(in) :: body

@@ -77,7 +77,8 @@ contains
     end do
   end subroutine lump
 
-  !> Add the inertial forces of one block, and their derivative on the block diagonals of k.
+  !> Add the inertial forces of one block of elements, and their derivative to the diagonals of the
+  !! (3, 3) blocks of k.
   subroutine add_inertia(block, mass, dynamics, state, at, k, f)
     type(block_t), intent(in) :: block
     type(mass_t), intent(in) :: mass

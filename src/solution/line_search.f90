@@ -108,7 +108,7 @@ contains
   end function overshoots
 
   !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
-  !! the slope g at the fraction s; the forces there are in `sweep`.
+  !! the slope g at the fraction s; `sweep` is the result of the sweep at s.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model

@@ -8,10 +8,11 @@
 !!
 !! A step counts as a jump if it has two properties that can occur together only if the model is
 !! stiff, then soft and then stiff again within the step: the increment is much longer than the
-!! tangent at its start and the previous step suggest, and the energies increase by less than
-!! w_0 + LEAST (w_1 - w_0). If the increment is much longer than the previous step suggests, but not
-!! longer than the tangent suggests, as near a limit point, the step counts as a jump only if the
-!! energies increase by less than w_0, which is impossible in equilibrium.
+!! tangent at its start and the previous step suggest (or one of them, if the other is not known),
+!! and the energies increase by less than w_0 + LEAST (w_1 - w_0). If the increment is much longer
+!! than the previous step suggests, but not much longer than the tangent suggests, as near a limit
+!! point, the step counts as a jump only if the energies increase by less than w_0, which is
+!! impossible in equilibrium.
 module load_jump
   use base_kinds, only: wp
   use base_log, only: warn
@@ -25,7 +26,7 @@ module load_jump
   public :: jump_t, suspect_jump, report_jump
 
   real(wp), parameter :: MUCH_LONGER = 2.0_wp !! increment, relative to the one that is expected
-  real(wp), parameter :: LEAST = 0.3_wp       !! see above
+  real(wp), parameter :: LEAST = 0.3_wp       !! fraction of w_1 - w_0 (see above)
   !> Missing energy that counts, relative to the energy that is stored or has been dissipated.
   real(wp), parameter :: VISIBLE = 0.01_wp
 

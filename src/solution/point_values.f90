@@ -1,8 +1,8 @@
 !> Stress and energy of elements and reactions of nodes, for curves and printed tables.
 !!
-!! Reactions are defined as in FEAPpv: they are the forces that the elements exert on the nodes.
-!! Nodal forces (FORC, EFOR, CFOR, CSUR) are not subtracted: a free node with an applied force shows
-!! that force, and the sum over all nodes is zero in equilibrium without body forces.
+!! Reactions are defined as in FEAPpv: they are the internal forces at the nodes. Nodal forces
+!! (FORC, EFOR, CFOR, CSUR) are not subtracted: a free node with an applied force shows that force,
+!! and the sum over all nodes is zero in equilibrium without body forces and pressures.
 module point_values
   use base_kinds, only: wp
   use basis_type, only: basis_t
@@ -48,7 +48,7 @@ contains
     sig = point(1)%sig
   end function stress_at
 
-  !> Nodal internal forces of the elements, without body forces.
+  !> Nodal internal forces minus the forces of body forces and pressures.
   pure function reactions_at(model, state, node) result(r)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -53,7 +53,8 @@ contains
     predicted = .true.
   end subroutine predict
 
-  !> The increment from the positions x that continues the last increment, times `ratio`.
+  !> The increment from the positions x that continues the last increment in a step that is `ratio`
+  !! times as long.
   subroutine continue_increment(x, last, ratio, piece, increment)
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
     real(wp), intent(in) :: last(:, :)       !! (3, nnode) the last increment, which led to x [L]

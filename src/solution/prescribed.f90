@@ -86,7 +86,7 @@ contains
     call leave_free(model, rate)
   end subroutine prescribed_rates
 
-  !> Set a vector to zero at free dofs and slaves.
+  !> Set a vector to zero at free dofs, unused nodes and slaves.
   pure subroutine leave_free(model, v)
     type(model_t), intent(in) :: model
     real(wp), intent(inout) :: v(:, :) !! (3, nnode)

@@ -4,21 +4,21 @@
 !! If friction alone holds a body (a block on a slope, a stack of blocks under a dead load), all its
 !! points may slip in one iterate. The tangent of a slipping point has no stiffness along the slip,
 !! so the next increment is far too long, and the iteration passes from one state to the next
-!! forever. The problem scales with the load, so smaller steps do not help. An attempt with secants
-!! replaces the derivatives of the frictional traction t with respect to the tangential displacement
-!! d and the pressure p, at the points that slip:
+!! forever. The problem scales with the load, so smaller steps do not help. At the points that slip,
+!! an attempt with secants replaces the derivatives of the frictional traction t with respect to the
+!! tangential displacement d and the pressure p:
 !!
 !!   dt/dd -> -|t|/|d| 1,  dt/dp -> 0.
 !!
 !! For a fixed friction limit this is the iteration of Kacanov, which always decreases the energy,
-!! but converges slowly. Anderson's acceleration makes it fast: with the increment dx_k that the
-!! system gives after k increments, and the increments s_j that were taken, the next one is
+!! but converges slowly. It is therefore accelerated by Anderson's method: with the increment dx_k
+!! that the system gives after k increments, and the increments s_j that were taken, the next one is
 !!
 !!   s_k = dx_k - sum_j c_j (dx_(j+1) - dx_j + s_j),
 !!
 !! where c minimises |dx_k - sum_j c_j (dx_(j+1) - dx_j)| over the last DEPTH increments. Secants
-!! and acceleration change only the way of the iteration; residual and equilibrium are those of the
-!! model.
+!! and acceleration change only the course of the iteration; residual and equilibrium are those of
+!! the model.
 !! Source: Han, Jensen and Shimansky 1997 [bib: han1997]; Walker and Ni 2011 [bib: walker2011]
 module secant_friction
   use base_kinds, only: wp
@@ -29,7 +29,8 @@ module secant_friction
 
   !> If the residual grows by this factor, the acceleration starts again without earlier increments.
   real(wp), parameter :: GROWN = 1.1_wp
-  !> The secants end at this residual, relative to the largest one of the step.
+  !> Secants are used until the residual falls below this value, relative to the largest one of the
+  !! step.
   real(wp), parameter :: SMALL = 1.0e-7_wp
   integer, parameter :: MOST = 100         !! largest number of increments with secants in a step
   integer, parameter :: DEPTH = 6
@@ -41,9 +42,9 @@ module secant_friction
     integer :: count = 0                   !! number of increments with secants in this step
     logical :: tangent = .false.           !! the next tangent is formed with secants
     real(wp), private :: last = 0.0_wp, largest = 0.0_wp !! residuals [F]
-    !> Earlier increments, of which the first column is the latest.
-    integer, private :: known = 0          !! number of columns in use
-    real(wp), allocatable, private :: change(:, :) !! (neq, DEPTH) dx_(j+1) - dx_j [L]
+    integer, private :: known = 0          !! number of columns of `change` and `taken` in use
+    !> (neq, DEPTH) dx_(j+1) - dx_j, the latest first [L].
+    real(wp), allocatable, private :: change(:, :)
     real(wp), allocatable, private :: taken(:, :) !! (neq, DEPTH) s_j [L]
     real(wp), allocatable, private :: last_dx(:) !! (neq) dx_(k-1), if there is one [L]
   end type secant_t

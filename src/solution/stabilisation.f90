@@ -6,12 +6,14 @@
 !!
 !! 1. If a translation has no stiffness (less than NO_STIFFNESS) and a load acts along it, the body
 !!    "flies": it is moved in that direction, up to the nearest other surface and then farther, by
-!!    distances that begin with a millionth of an element and grow. As soon as contact resists,
-!!    Newton's iteration continues from there. If the body meets no surface, the step fails.
+!!    distances that begin with a millionth of the width of an element and grow. As soon as contact
+!!    resists, Newton's iteration continues from there. If the body meets no surface, the step
+!!    fails.
 !! 2. If a motion has little stiffness (less than WEAK, or a negative one), an anchor (module
-!!    anchors) resists this motion since the start of the step. An example is a ball that can turn
-!!    and slide on a plate without friction. If the anchor bears more than the fraction NO_LOAD of
-!!    all loads when the iteration converges, the motion is released, and the iteration continues.
+!!    anchors) resists displacements along this motion, measured from the start of the step. An
+!!    example is a ball that can turn and slide on a plate without friction. If the anchor bears
+!!    more than the fraction NO_LOAD of all loads when the iteration converges, the motion is
+!!    released, and the iteration continues.
 !! 3. Springs with the stiffness SPRING D are added to the tangent, but not to the residual. They
 !!    make every system regular. An increment whose energy is mainly that of the springs is
 !!    shortened to the distances of item 1.
@@ -39,12 +41,13 @@ module stabilisation
   real(wp), parameter :: WEAK = 1.0e-4_wp
   real(wp), parameter :: NO_LOAD = 2.0e-2_wp   !! largest force of an anchor, relative to all loads
   real(wp), parameter :: PURE = 1.0e-6_wp      !! largest part of a rotation in a translation
-  real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest one of a
-  !! node, does not count as a load
-  real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to an
-  !! element
+  real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest nodal
+  !! force, does not count as a load
+  real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to the
+  !! width of an element
   real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the previous one
-  real(wp), parameter :: LONGEST = 0.25_wp     !! longest move, relative to an element or DEPTh
+  real(wp), parameter :: LONGEST = 0.25_wp     !! longest move, relative to the smaller of the width
+  !! of an element and DEPTh
   real(wp), parameter :: FAR = 2.0_wp          !! a body that has moved this far, relative to the
   !! model, is lost
   integer, parameter :: MOST_MOVES = 100       !! number of moves in a step
@@ -58,7 +61,7 @@ module stabilisation
     integer :: moves = 0                 !! number of moves in this step
     integer :: at_contact = 0 !! number of consecutive moves that began at another surface
     real(wp), allocatable :: shift(:, :) !! (3, body) sum of the moves of the step [L]
-    !> (6, body, m) Motions that nothing resists; the 6*body coefficients of each are orthonormal.
+    !> (6, body, m) motions that nothing resists: m orthonormal vectors of 6*body coefficients.
     real(wp), allocatable :: unheld(:, :, :)
     real(wp), allocatable :: weak(:, :, :) !! (6, body, m) motions of little stiffness, v.D v = 1
     real(wp), allocatable :: released(:, :, :) !! (6, body, m) motions that are no longer anchored
@@ -226,7 +229,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: force(:, :)  !! (3, nnode) external minus internal force [F]
-    real(wp), intent(in) :: floor        !! force that counts as zero [F]
+    real(wp), intent(in) :: floor        !! largest force that counts as zero [F]
     real(wp), intent(out) :: du(:, :)    !! (3, nnode)
     logical, intent(out) :: loaded
     real(wp), allocatable :: kernel(:, :), turn(:, :), x(:, :), motions(:, :)

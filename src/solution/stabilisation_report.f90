@@ -14,8 +14,9 @@ module stabilisation_report
   public :: report_stabilisation, lost_text, direction_text
 
   real(wp), parameter :: ROUGH = 0.2_wp    !! smaller parts of a motion are not named
-  real(wp), parameter :: ALONG = 1.0e-6_wp !! largest component of a direction across its axis
-  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors that calls for another warning
+  real(wp), parameter :: ALONG = 1.0e-6_wp !! smaller components of a unit vector count as zero
+  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors, relative to all work, that calls for
+  !! another warning
 
 contains
 
@@ -127,7 +128,7 @@ contains
     end do
   end subroutine span_of
 
-  !> Reason why a step fails in which a body is lost.
+  !> The reason why a step fails if a body is lost or does not come to rest.
   function lost_text(hold) result(text)
     type(stabilisation_t), intent(in) :: hold
     character(:), allocatable :: text

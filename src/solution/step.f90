@@ -36,11 +36,11 @@ module step
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   public :: change_dt, begin_step, form_pass, solve_pass, cut_step, abandon_step, close_step
 
-  !> A body counts as lost if its displacement in a step, relative to the size of the model, is
-  !! larger than this.
+  !> A body counts as lost if its displacement in a step is larger than this, relative to the size
+  !! of the model plus the largest prescribed displacement.
   real(wp), parameter :: FAR = 2.0_wp
-  !> Number of iterations in which the cells of the mortar scheme settle; these iterations do not
-  !! influence the size of the next step.
+  !> Number of iterations in which the cells of the mortar scheme still change; these iterations do
+  !! not influence the size of the next step.
   integer, parameter :: SETTLING = 2
   integer, parameter :: MOST_SECANT = 3 !! largest number of attempts of a step with secants
 
@@ -169,9 +169,9 @@ contains
 
   !> Choose the next attempt of a step under load control: a smaller step or secants of friction.
   !!
-  !! A step tries the secants for the first time when it has been cut to dtmin without them. In the
-  !! steps after it, each step size is tried first without and then with the secants, with them at
-  !! most MOST_SECANT times per step.
+  !! Secants are tried for the first time when a step has been cut to dtmin without them. In later
+  !! steps, each step size is tried first without and then with secants; a step makes at most
+  !! MOST_SECANT attempts with secants.
   subroutine choose_attempt(step, model, state, why, possible)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -284,7 +284,7 @@ contains
                //'smaller steps do not help, but a softer penalty may'
       end if
       if (pass%solve%singular .or. pass%hopeless) then
-        hint = 'support the model: FIX or MOVE for patches, BOUN EBOU CBOU for nodes'
+        hint = 'support the model: FIX or MOVE for patches; BOUN, EBOU or CBOU for nodes'
         if (.not. pass%solve%singular) hint = hint//'; or check the faces of the contacts, or ' &
                                               //'add friction'
       end if

@@ -1,8 +1,8 @@
 !> Time steps: fixed ones, and automatic ones that are cut back and grow again.
 !!
-!! Target k is at the time origin + k dt, which is never computed by summation. A cut-back divides
-!! the interval to the next target into equal steps. A step that has grown beyond dt (dtmax > dt)
-!! passes several targets and ends on one of them.
+!! The targets are the times origin + k dt, which are never computed by summation. A cut-back
+!! divides the interval to the next target into equal steps. A step that has grown beyond dt (dtmax
+!! > dt) passes several targets and ends on one of them.
 module step_control
   use base_kinds, only: wp
   implicit none
@@ -18,7 +18,7 @@ module step_control
     logical :: automatic = .false.
     real(wp) :: dtmin = 0.0_wp, dtmax = 0.0_wp
     real(wp) :: from = 0.0_wp, to = 0.0_wp !! times at which the current step begins and ends
-    integer :: passed = 0  !! number of targets that the step reaches; 0: it ends before one
+    integer :: passed = 0  !! number of targets that the step reaches; 0: it ends before the next
     integer :: accepted = 0          !! steps since the last cut-back
     logical :: reduced = .false.     !! the next step is smaller, after many iterations
     real(wp) :: failed = 0.0_wp      !! length of the last step that was cut back; 0: there is none
@@ -27,9 +27,9 @@ module step_control
   !> A corner of a load table that is nearer to a target than this, relative to dt, counts as equal
   !! to it.
   real(wp), parameter :: NEARLY = 1.0e-9_wp
-  integer, parameter :: FEW = 6      !! iterations up to which a step may grow
-  integer, parameter :: FAIR = 10    !! iterations up to which a step smaller than dt may grow
-  integer, parameter :: MANY = 15    !! iterations above which the next step is smaller
+  integer, parameter :: FEW = 6      !! the next step may grow after at most so many iterations
+  integer, parameter :: FAIR = 10    !! the same for a step smaller than dt
+  integer, parameter :: MANY = 15    !! the next step is smaller after more iterations than this
   integer, parameter :: PATIENCE = 8 !! number of steps that stay shorter than a failed one
   real(wp), parameter :: SHORTER = 0.75_wp !! next length after a failed step longer than dt
 
@@ -56,9 +56,10 @@ contains
     control%dtmax = dtmax
   end subroutine set_auto
 
-  !> Time at the end of the next step; `left` targets remain in the loop, this one included. An
-  !! automatic step ends at the next corner of a load table, or at the last target before it. If it
-  !! passes several targets, it ends at the last one before the next extremum of a table.
+  !> Time at the end of the next step; `left` is the number of targets that remain in the loop,
+  !! including the next one. An automatic step ends at the next corner of a load table, or at the
+  !! last target before this corner. A step that passes several targets ends at the last one before
+  !! the next extremum of a table.
   function next_time(control, time, left, corner, extremum) result(to)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time
