@@ -2,17 +2,16 @@
 
 There are six commands. Each is a module of the same name that can also be used as a library:
 
-=============  ==============================================================
-====================== command        what it does
-needs =============  ==============================================================
-====================== curve          plots columns of curve files against each other
-numpy, matplotlib convergence    plots relative errors against degrees of freedom, with slopes
-numpy, matplotlib field          renders a step of a result file without a screen
-h5py, matplotlib, vtk contact-map    draws contact surfaces from above, side by side
-h5py, matplotlib, vtk diff           compares two runs, or a run and a reference
-numpy; h5py for fields mesh           meshes an enriched body below a net or a spline surface
-numpy; Gmsh or TetGen =============  ==============================================================
-======================
+=============  ==============================================================  ======================
+command        what it does                                                    needs
+=============  ==============================================================  ======================
+curve          plots columns of curve files against each other                 numpy, matplotlib
+convergence    plots relative errors against degrees of freedom, with slopes   numpy, matplotlib
+field          renders a step of a result file without a screen                h5py, matplotlib, vtk
+contact-map    draws contact surfaces from above, side by side                 h5py, matplotlib, vtk
+diff           compares two runs, or a run and a reference                     numpy; h5py for fields
+mesh           meshes an enriched body below a net or a spline surface         numpy; Gmsh or TetGen
+=============  ==============================================================  ======================
 
 The package reads result files only, never a deck. Large packages are imported only when needed:
 

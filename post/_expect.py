@@ -3,7 +3,7 @@
 title  = "Cook's membrane, neo-Hooke"        # one line
 source = "Simo & Armero 1992, table 1"       # of every check without a source of its own
 
-source = "Simo & Armero 1992, table 1"       # of every check that names no source of its own
+[[check]]                                    # one number of one run
 name   = "tip deflection, n = 8"             # default: the quantity
 deck   = "cook.inp"
 set    = { n = 8 }                           # parameters, passed with --set
@@ -17,7 +17,7 @@ rel    = 1e-3                                # allowed difference: rel or abs, a
 slow   = true                                # run this check only with --all
 
 warning = "lies in the same place"           # instead of curve: words that a warning must contain, in the report and in the log; "": there must be no warning
-error  = "left-handed"                         # instead of curve: words of the first error message on the screen; needs exit = 1 to 3
+error  = "left-handed"                       # instead of curve: words of the first error message on the screen; needs exit = 1 to 3
 
 report = "dofs"                              # instead of curve: an entry of the report (final.tip.disp, elements.Q1)
 

@@ -1,4 +1,4 @@
-"""Result files (.vtkhdf, .pvd, .vtu) as VTK grids, one step at a time, as Bezier cells."""
+"""Read result files (.vtkhdf, .pvd, .vtu), one step at a time, as VTK grids of Bezier cells."""
 
 import pathlib
 from xml.etree import ElementTree

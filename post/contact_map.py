@@ -115,8 +115,8 @@ def _corners(a):
 
 
 def _quads(flat, height, seen):
-    """Quadrilaterals that face the viewer: their order, with the farthest ones first, and a mask of
-    them.
+    """(quadrilaterals that face the viewer, the farthest first; their order; a mask that selects
+    them)
     """
     shown = _corners(seen).any(axis=-1).ravel()
     quads = np.stack([_corners(flat[..., i]) for i in (0, 1)], axis=-1).reshape(-1, 4, 2)[shown]

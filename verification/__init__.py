@@ -2,21 +2,24 @@
 
     .venv/bin/python -m verification.verify --case section4
 
-verify              the checks of all `expect.toml` (`make verify`) reference           a second
-implementation of three problems, to compare with the program section3            meshes below
-surfaces, and their use in runs section5_contact    sections 5.2 and 5.3: the hemisphere on the
-block section5_debonding  section 5.1: the strip peeled off the plate tradeoff            accuracy
-and cost of the options of contact (`make tradeoff`) contact_extremes    contact with extreme
-parameters debonding_extremes  debonding with extreme parameters debonding_points    accuracy and
-cost of the integration points of bonds mutate              mutated decks deck_errors.run     bad
-decks and their messages restart.run         stopped and restarted runs recover             the same
-for the runs of the quick checks (`verify --recover`) soak                an hour of hostile inputs,
-kills, signals, limits and other units (`make soak`) trouble             files, signals, limits and
-damaged checkpoints; decks that must not go wrong silently performance.bench   comparison of speed
-with other programs (`make bench`)
+    verify              the checks of all `expect.toml` (`make verify`)
+    reference           a second implementation of three problems, to compare with the program
+    section3            meshes below surfaces, and their use in runs
+    section5_contact    sections 5.2 and 5.3: the hemisphere on the block
+    section5_debonding  section 5.1: the strip peeled off the plate
+    tradeoff            accuracy and cost of the options of contact (`make tradeoff`)
+    contact_extremes    contact with extreme parameters
+    debonding_extremes  debonding with extreme parameters
+    debonding_points    accuracy and cost of the integration points of bonds
+    mutate              mutated decks
+    deck_errors.run     bad decks and their messages
+    restart.run         stopped and restarted runs
+    recover             the same for the runs of the quick checks (`verify --recover`)
+    soak                an hour of hostile inputs, kills, signals, limits, other units (`make soak`)
+    trouble             files, signals, limits, damaged checkpoints; decks that must not go wrong silently
+    performance.bench   comparison of speed with other programs (`make bench`)
 
-Programs in `benchmark` and `patch` write the references, decks and tables of the folders they are
-in.
+Programs in `benchmark` and `patch` write the references, decks and tables of their folders.
 """
 
 import importlib.util

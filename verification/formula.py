@@ -34,10 +34,11 @@ FUNCTIONS = {
 
 
 def evaluate(text, table, values):
-    """The value of the formula `text`, whose names are those of columns (or prefixes of them) and FUNCTIONS.
+    """The value of the formula `text`. Its names are those of columns or prefixes of them, of
+    FUNCTIONS, and of `values`, the parameters that the check sets.
 
-    `values` are the parameters that the check sets. A column is an array over the rows, so the
-    formula must choose a row or reduce all rows to one number.
+    A column is an array over the rows, so the formula must choose a row or reduce all rows to one
+    number.
 
     >>> from post._table import Table
     >>> evaluate("last(f)/n", Table("t", {"f_1": np.array([1.0, 3.0])}), {"n": 2})

@@ -49,8 +49,7 @@ DECKS = {
 QUICK = 4
 FAULTS = "contact"  #: the deck used for kills, signals and limits
 #: Where friction is at its limit, round-off decides whether a point sticks, and the sticking area
-#: changes by the
-#: area of that point.
+#: changes by the area of that point.
 GAPS = {"self": 1e-8}
 CLOSE = 1e-9  #: allowed difference of a curve, relative to the largest value in the column
 COUNTS = ("step", "iterations", "cutbacks", "converged")
@@ -114,8 +113,8 @@ def same(a, b):
 
 
 def close(a, b, tolerance=CLOSE):
-    """(the reason why the curves in two folders are not close to each other or None, their
-    difference)
+    """Compare the curves of two folders; return (reason why they are not close, or None; their
+    largest difference).
     """
     if curves(a) != curves(b):
         return f"curves {curves(a)} and {curves(b)}", 0.0

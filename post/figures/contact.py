@@ -1,7 +1,7 @@
 """Figures of doc/verification/contact.md: convergence to Hertz's solution, ironing, partial slip.
 
-They are drawn from curves.csv in the folders of verification/contact, which is written by
-`python -m verification.contact --write`:
+They are drawn from the files curves.csv in the folders of verification/contact, which
+`python -m verification.contact --write` writes:
 
     python -m post.figures.contact [--cases verification/contact] [--to doc/verification/figures]
 """

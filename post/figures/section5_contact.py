@@ -36,7 +36,7 @@ DOFS = {
     "Q1E9+Q1N2.1": (402, 1752, 5940),
     "IGA2": (417, 1620, 5535),
 }
-SLIDING = 120.0  # angle [degrees] from which all points slide, according to the paper
+SLIDING = 120.0  # angle [degrees] beyond which all points slide, according to the paper
 
 
 class Run:
@@ -144,7 +144,7 @@ class Runs:
 
 
 def _line(elements):
-    """The line's label for an element type, which names its surface."""
+    """The line properties of an element type, the same in all figures."""
     return _style.series(list(DOFS).index(elements))
 
 

@@ -67,7 +67,7 @@ def look(elements):
 
 
 def figure_elements(results, plt):
-    """Plot the element types; a line joins the two meshes of each type."""
+    """Plot the element types; a line joins the meshes of each type."""
     figure, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 3.9), sharex=True)
     for ax, (name, title) in zip(axes, QUANTITIES.items()):
         for elements in TYPES:

@@ -62,8 +62,8 @@ def _rows(s, e):
 
 
 def _straighten(s, rows, value, plain, straight):
-    """Make the corners in `value` ({corner: row}) plain, and straighten the plain edges between
-    them.
+    """Give the corners in `value` ({corner: row}) these rows, and straighten the plain edges
+    between them (see _border for what is plain).
     """
     edges = _border.edges(s.corners[plain])
     of = _border.by_corner(straight)

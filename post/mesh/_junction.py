@@ -9,7 +9,8 @@ import numpy as np
 
 from post.mesh import _pyramids, _quality, _surface, _triangles
 
-#: Most quads that may share a peak; in larger groups each quad has a pyramid, its long side split.
+#: Largest number of quads that may share a peak; in larger groups each quad has a pyramid, and its
+#: long side is split.
 MOST = 6
 GOOD = 0.2  # smallest scaled Jacobian of pyramids that may share a peak
 

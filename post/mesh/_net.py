@@ -1,4 +1,6 @@
-"""A net of quads with its edges, fans and orientation, which are checked before it is used."""
+"""A net of quads with its edges, its fans (the quads around each point) and its orientation, which
+are checked before it is used.
+"""
 
 from dataclasses import dataclass, field
 

@@ -197,7 +197,8 @@ def _iga(path):
     while len(counts) < 2:
         word = t.word("nodeN and elemN")
         if word == "type" and t.word("the type") not in ("surface", "plane"):
-            t.fail(f"expected the type surface or plane, found {t.words[t.at - 1]}")
+            found = t.words[t.at - 1]
+            t.fail(f"expected 'type surface' or 'type plane', found 'type {found}'")
         if word in ("nodeN", "elemN"):
             counts[word] = t.count(word)
     full = np.empty((counts["nodeN"], 4))

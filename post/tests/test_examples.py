@@ -14,7 +14,7 @@ TOP = pathlib.Path(post.__file__).parents[1]
 
 
 def load_tests(loader, tests, pattern):
-    """Adds the examples of each module of the package (python -m unittest calls this)."""
+    """Add the examples of each module of the package (python -m unittest calls this)."""
     for module in pkgutil.walk_packages(post.__path__, "post."):
         if ".tests.test_" not in module.name and not module.name.endswith("__main__"):
             tests.addTests(doctest.DocTestSuite(importlib.import_module(module.name)))

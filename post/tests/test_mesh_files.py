@@ -258,7 +258,7 @@ class Errors(Folder):
         self.assertIn("contains curves", self.message(head + "1 1 2 2 1\n", "a.bext"))
         data["coefficients"]["dense_coefficient_vectors"][0]["components"][0] = float("nan")
         self.assertIn("do not sum to one", self.message(json.dumps(data), "a.bext.json"))
-        self.assertIn("found volume", self.message("type volume\nnodeN 0\n", "a.iga"))
+        self.assertIn("found 'type volume'", self.message("type volume\nnodeN 0\n", "a.iga"))
         self.assertIn("line 1: expected numbers", self.message("f 1 2 3 " + 20 * "9", "a.obj"))
 
     def test_options_that_make_no_sense(self):

@@ -4,8 +4,8 @@
 
 sphere, cylinder: each folder gets one deck for each element type and mesh. On the curved body, mesh
 n has n elements of equal width over 1.3 contact radii, then 2 n elements whose width increases
-towards its edge, which is 500 radii away. The elements of the block are wider by a tenth, so the
-two meshes match nowhere.
+towards the edge of the body, which is 500 radii away. The elements of the block are wider by a
+tenth, so the two meshes match nowhere.
 mindlin: the same, for the whole width of the cylinder.
 rings: two rings under an outer pressure, and two rings of which the inner one is too wide by 1e-5.
 drag: reference.csv, the forces and the work of a spring in series with a slider.

@@ -3,11 +3,14 @@
     python -m verification.contact.meshes
 
 slit/slit.msh: a block 4 x 1 x 2 with a slit of width 0.04 at half its height, from x = 1 to x = 3.
-The meshes of the two faces of the slit do not match. Groups: slit, and its faces upper and lower;
-bottom; top. slit/cut.msh: two blocks 1 x 1 x 1 at a distance of 0.01, of 3 x 3 x 3 and 4 x 4 x 4
-elements, in one mesh. Groups: slit (both faces between the blocks), upper, lower; bottom; top.
-shared/posts.msh: two blocks 1 x 1 x 1 at a distance of 1. Groups: first and second (the tops of the
-two blocks); both; bottom.
+The meshes of the two faces of the slit do not match. Groups: `slit`, and its faces `upper` and
+`lower`; `bottom`; `top`.
+
+slit/cut.msh: two blocks 1 x 1 x 1 at a distance of 0.01, of 3 x 3 x 3 and 4 x 4 x 4 elements, in
+one mesh. Groups: `slit` (both faces between the blocks), `upper`, `lower`; `bottom`; `top`.
+
+shared/posts.msh: two blocks 1 x 1 x 1 at a distance of 1. Groups: `first` and `second` (the tops of
+the two blocks); `both` (the two tops together); `bottom`.
 """
 
 import pathlib

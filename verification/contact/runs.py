@@ -1,4 +1,4 @@
-"""Runs of decks with their curves and contact surfaces, for the tables of contact."""
+"""Runs of decks with their curves and contact surfaces, for doc/verification/contact.md."""
 
 import dataclasses
 import json
@@ -35,10 +35,10 @@ class Result:
         return json.loads((self.place / f"{self.stem}.report.json").read_text())
 
     def surface(self, body, field="contact_pressure", n=9, step="last"):
-        """Reference positions, values and areas for n x n cells of each face of a body, at their
-        middles.
+        """Reference positions and values at the middles of n x n cells of each face of a body, and
+        the areas of the cells.
 
-        The shapes are (m, 3), (m,) and (m,). Of vectors, the magnitudes are returned. Bodies are
+        The shapes are (m, 3), (m,) and (m,). The values of a vector are its magnitudes. Bodies are
         numbered from 0 in the order of the deck.
         """
         from post import _grid
@@ -86,8 +86,8 @@ class Runner:
 
 
 def order(errors, sizes):
-    """Observed orders of convergence between successive meshes; sizes: increasing with the number
-    of elements.
+    """Observed orders of convergence between successive meshes; sizes: their numbers of elements
+    per direction, increasing.
 
     >>> order([0.4, 0.1], [1, 2])
     [2.0]

@@ -40,8 +40,7 @@ EDGES = {
 }
 FACES = {8: ["0123", "4567", "0374", "1265", "0154", "3267", "01234567"]}
 # By number of nodes: the number of corners, then for each further node, in the order of the deck,
-# the corners of
-# which it is the mean.
+# the corners of which it is the mean.
 NODES = {
     4: (4, []),
     5: (5, []),

@@ -35,7 +35,9 @@ ENOUGH = 180.0 - 1e-3  # degrees of a complete run
 
 
 def time_contact(bezel, folder, missing):
-    """{"runs": {"name, mu": numbers}, "share": numbers for mesh 3}."""
+    """Time all runs; return {"runs": {"name, mu": numbers}, "mesh_3": numbers of OURS on mesh 3,
+    "mesh_3_default": those of DEFAULT, "load": load of the computer at the start}.
+    """
     folder = folder / "contact"
     folder.mkdir(exist_ok=True)
     rows, load = {}, [round(x, 1) for x in os.getloadavg()]
@@ -100,7 +102,7 @@ def deck_of(stem, folder):
 
 
 def run_bezel(bezel, folder, stem, mu, mesh):
-    """Time a whole process; also return the force and torque of the supports while all points
+    """Time a whole process; also return the mean force and torque of the supports while all points
     slide.
     """
     settings = [f"--set={name}={value}" for name, value in (mesh | {"mu": mu}).items()]

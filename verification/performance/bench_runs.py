@@ -46,7 +46,7 @@ def measure(command, folder, limit_mb=None):
 
 
 def deck(folder, name, element, factor):
-    """The text of cube.inp with another element or another FACTor."""
+    """Write cube.inp with another element or another FACTor; return its path."""
     text = (HERE / "cube.inp").read_text().replace("TYPE Q1\n", f"TYPE {element}\n")
     if factor:
         text = text.replace("BATCh\n", f"BATCh\n  FACTor {factor}\n")

@@ -15,7 +15,7 @@ TITLES = {
 
 
 def same_force(result, tolerance):
-    """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX are
+    """Whether bezel's solvers agree with each other and with FElupe; Q1E9 and CalculiX solve
     different problems.
     """
     rows = result["runs"]

@@ -53,7 +53,7 @@ def write_input(path, n):
 
 
 def read_output(folder, output):
-    """(force on the top, iterations, version)."""
+    """{"force": force on the top, "iterations": their number, "version": CalculiX's version}."""
     forces = re.findall(r"total force.*?\n\s*\n(.*)\n", (folder / "cube.dat").read_text())
     rows = [line.split() for line in (folder / "cube.sta").read_text().splitlines()[2:]]
     version = re.search(r"CalculiX\s+Version\s+([\d.]+)", output)

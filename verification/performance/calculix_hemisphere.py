@@ -13,7 +13,7 @@ import re
 
 DOWN, TURN = 20, 60  # increments
 DEGREES = 180.0
-SLIDING = 120.0  # angle [degrees] from which all points slide
+SLIDING = 120.0  # angle [degrees] beyond which all points slide
 HEMI, BLOCK = 5.0, 1.0  # Young's moduli of the hemisphere and of the block
 NU = 0.3
 INNER = 2 / 3  # radius of the inner surface
@@ -31,8 +31,8 @@ def outer_point(u, v):
 
 
 class Mesh:
-    """Nodes (x, y, z) and hexahedra of a lattice of nx x ny x nz elements, numbered from
-    `first_...` on.
+    """Nodes (x, y, z) and hexahedra of a lattice of nx x ny x nz elements, whose numbers begin
+    with first_node and first_element.
     """
 
     def __init__(self, size, first_node, first_element, place):

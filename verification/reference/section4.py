@@ -8,7 +8,7 @@ from verification.reference.spline import Space
 from verification.reference.system import System, advance
 
 LIFTS = {"compression": -0.25, "extension": 1.0}
-#: element type: its meshes; in the order of the paper's figures
+#: element types in the order of the paper's figures
 ELEMENTS = (
     "Q1", "Q2", "IGA2", "Q1E9", "Q1N2 on 1+", "Q1N2 on 1+ and 2+",
     "Q1E9+Q1N2 on 1+", "Q1E9+Q1N2 on 1+ and 2+", "Q2N2 on 1+",

@@ -1,6 +1,6 @@
 """The checks of section 3 in `make verify-all`: `python -m verification.section3 check`.
 
-For a broken file, the command must print one sentence and write nothing. Bodies below the net of
+For a broken file, `post mesh` must print one sentence and write nothing. Bodies below the net of
 the arm must agree with the committed table, and the contact of the coarse sphere with the committed
 ratios to Hertz's solution. The forces on the same body with tetrahedra and with hexahedra must
 agree with each other. Checks that need Gmsh or TetGen are reported as skipped if these are not

@@ -146,8 +146,8 @@ def mutate_bytes(data, chance):
 
 
 def mutate_text(data, chance, name="", includes=True):
-    """One mutation of a file named `name`, given and returned as bytes: of its grammar, with junk,
-    or of single bytes; includes: whether the file may contain records of a deck.
+    """Make one mutation of the file `name`, given and returned as bytes: according to its grammar,
+    by junk, or of single bytes; includes: whether the file may contain records of a deck.
     """
     kind = chance.random()
     if kind < 0.15:

@@ -101,8 +101,9 @@ def heeds(process, number):
 
 
 def errors(stderr):
-    """The error messages on standard error: [('column', 'line' or '', whether it has a caret,
-    text)].
+    """The error messages on standard error: [(kind, whether it has a caret, text)].
+
+    The kind is 'column', 'line' or '', after the place that the message gives.
     """
     lines, found = stderr.split("\n"), []
     for i, line in enumerate(lines):

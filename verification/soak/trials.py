@@ -29,8 +29,7 @@ HERE = Path(__file__).resolve().parent
 SMALL = HERE / "decks"
 
 #: Decks that are killed and stopped, with the units of the quantities of their curve `force` as
-#: powers
-#: of length, stress and time. They have the parameters l, s and t, and save every step.
+#: powers of length, stress and time. They have the parameters l, s and t, and save every step.
 KILLED = {
     SMALL / "friction.inp": ((2, 1, 0), (2, 1, 0), (2, 1, 0), (1, 0, 0)),
     SMALL / "cohesive.inp": ((1, 0, 0), (2, 1, 0), (0, 0, 0)),

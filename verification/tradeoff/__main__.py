@@ -4,7 +4,7 @@ and CPU seconds to benchmark/tradeoff/results.csv. `make tradeoff` runs this.
     python3 -m verification.tradeoff --bezel PROGRAM [--only WORD] [--mesh 1 2] [--again]
 
 A run that exists in --out is not repeated, so that an interrupted study can be continued. CPU
-seconds are user and system time of the process; on mesh 1, the better of two runs is taken. Errors
+seconds are user and system time of the process; on mesh 1, the shorter of two runs is taken. Errors
 are root mean squares over the turn and over both sides of the contact, relative to the mean of the
 reference:
 
@@ -163,7 +163,7 @@ def call(bezel, place, run):
 
 
 def time_run(bezel, out, run, again):
-    """Time a run (on mesh 1, the better of two) and write time.json."""
+    """Time a run (on mesh 1, the shorter of two) and write time.json."""
     place = out / run.key
     if (place / "time.json").exists() and not again:
         return

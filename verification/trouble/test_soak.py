@@ -1,6 +1,4 @@
-"""The soak test detects what it must detect; a judge that finds nothing, or that cannot be trusted,
-would test nothing.
-"""
+"""The checks of the soak test detect every kind of failure that they must detect."""
 
 import os
 import random
@@ -139,8 +137,7 @@ class Trials(Folder):
 
     def test_self_contact_with_line_searches_does_not_depend_on_units(self):
         # Round-off leads the line searches another way; the contact cells of the converged state
-        # must
-        # not depend on that way.
+        # must not depend on that way.
         deck = next(d for d in KILLED if d.stem == "self")
         unit = (3.0, 7e-6, 5e3)
         curves = []

@@ -1,10 +1,10 @@
-"""Imbalance of the contact forces where a small block covers elements of a large block in part.
+"""Imbalance of the contact forces where a small block partly covers elements of a large block.
 
     python -m verification.benchmark.contact_patch.imbalance [PROGRAM]
 
-The program runs partial_q1n2.inp with the small block at 12 positions, for several numbers q of
-integration points and n of elements of the large block. It writes imbalance.csv: root mean square
-and largest magnitude of 1 - (force on the large block)/(force on the small block).
+It runs partial_q1n2.inp with the small block at 12 positions, for several numbers q of integration
+points and n of elements of the large block. It writes imbalance.csv: root mean square and largest
+magnitude of 1 - (force on the large block)/(force on the small block).
 """
 
 import pathlib

@@ -34,9 +34,8 @@ def _product(x, y, z):
 
 
 #: Points where stresses are compared; none of them lies on an element boundary of any mesh. On the
-#: face,
-#: the quarters of its height next to the clamped ends are excluded, since stresses are singular
-#: there.
+#: face, the quarters of its height next to the clamped ends are excluded, since stresses are
+#: singular there.
 POINTS = {
     "volume": _product([gauss(4, 0, 0.5)], [gauss(6, 0, 0.5)], [gauss(4, 0, 0.5), gauss(4, 0.5, 1)]),
     "face": _product([(np.array([FACE]), np.ones(1))], [gauss(6, 0, 0.5)], [gauss(8, 0.25, 0.75)]),

@@ -73,8 +73,8 @@ def symmetry(runner):
 
 def locking(runner):
     """Compression of a nearly incompressible cube by two per cent, with cubic splines as the
-    reference. (Few element types can be compressed by a quarter, because the edges of the clamped
-    faces are too singular.)
+    reference. (Few element types can be compressed by a quarter, because the stresses at the edges
+    of the clamped faces are singular.)
     """
     meshes = [(e, n, 2) for e in ELEMENTS for n in (1, 2, 4, 8)] + [
         ("IGA3", n, 3) for n in (2, 4, 8)

@@ -203,12 +203,12 @@ def at_plateau(run):
 
 
 def sliding_from(run):
-    """The angle from which on almost no point of a side sticks."""
+    """The angle beyond which almost no point sticks, for the hemisphere and the block."""
     return [from_angle(run, side, STICK) for side in (1, 2)]
 
 
 def all_sliding_from(run):
-    """The angle from which on no point sticks, for the hemisphere (except at its pole) and the block.
+    """The angle beyond which no point sticks, for the hemisphere (ignoring its pole) and the block.
 
     The share of the point at the pole is taken to be the smallest nonzero share that sticks.
     """
@@ -218,7 +218,7 @@ def all_sliding_from(run):
 
 
 def from_angle(run, side, share):
-    """The angle from which on at most this share of the points of a side sticks, or 180 if there is
+    """The angle beyond which at most this share of the points of a side sticks, or 180 if there is
     none.
     """
     shares, turned = sticking(run, side)

@@ -14,10 +14,10 @@ are then not polynomials, more integration points are used. Two states are exact
            by the penetration p/eps and by the elastic slip t/eps of sticking friction. Both blocks
            have a margin, so that the inner part of their faces always remains covered
 
-It prints the largest relative errors of the normal forces on both sides (with shear, also of the
-friction forces), of the stress, and of the pressure (both fields, at the worst point). The cases
-run are those whose name contains a NAME, or all if no NAME is given. --write writes the decks, the
-meshes and the expect.toml of this folder, for a selection of the cases.
+It prints the largest relative errors of the normal forces on both sides, of the stress, and of the
+smoothed pressure on both sides (at the worst point). The cases run are those whose name contains a
+NAME, or all if no NAME is given. --write writes the decks, the meshes and the expect.toml of this
+folder, for a selection of the cases.
 """
 
 import itertools
@@ -110,8 +110,8 @@ class Block:
         return number
 
     def _two_grids(self, lines, rng):
-        """A coarse grid beside one that is twice as fine, whose nodes on their common plane
-        hang.
+        """A coarse grid beside one that is twice as fine; on their common plane, the nodes that
+        only the fine grid has are hanging nodes.
         """
         middle = len(lines[0]) // 2
         coarse = self._grid([lines[0][: middle + 1], *lines[1:]], rng)
@@ -158,7 +158,7 @@ class Block:
         self.elements = [(11, c + [middle(c[a], c[b]) for a, b in EDGES[4]]) for _, c in self.elements]  # fmt: skip
 
     def faces(self):
-        """Faces of the boundary, by group: top, bottom."""
+        """Faces at the bottom and at the top, each as (Gmsh's type, group, nodes)."""
         seen = {}
         for g, c in self.corners if self.kind == "tet10" else self.elements:
             for ids in FACES[g]:
@@ -175,7 +175,7 @@ class Block:
         return rows
 
     def edges(self):
-        """Nodes on the upright edges of x = 0 and x = 1, y = 0."""
+        """Nodes on the vertical edges at x = 0 and at x = 1 of the side y = 0."""
         near = np.abs(self.x[:, 1]) < 1e-12
         return [np.flatnonzero(near & (np.abs(self.x[:, 0] - x) < 1e-12)) for x in (0, 1)]
 
@@ -214,7 +214,7 @@ class Block:
 
 
 def linear_stress():
-    """The stress of the displacement gradient A."""
+    """The stress caused by the displacement gradient A."""
     return MU * (A + A.T) + LAME * np.trace(A) * np.eye(3)
 
 

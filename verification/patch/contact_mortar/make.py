@@ -8,14 +8,15 @@ which is uniform:
 
   flat     a flat common surface; pressure on top, a support that slides below. The blocks are free at
            their sides (uniaxial stress) or, where a layer consists of several bodies, guided there
-           (uniaxial strain). Bodies of such layers cover some elements of the other in part.
-  curved   a curved common surface that both bodies represent exactly; the same following pressure on
-           all other faces (hydrostatic stress). The penetration g = p/eps changes areas by g/R.
+           (uniaxial strain). Bodies of such layers partly cover some elements of the other layer.
+  curved   a curved common surface that both bodies represent exactly; the same follower pressure on
+           all other faces (hydrostatic stress). The penetration g = p/eps changes areas by the
+           fraction g/R, where R is the radius of curvature.
 
-It prints the largest relative errors of the forces on both sides, of the stress and of the pressure
-(both fields, at the worst point). The cases run are those whose name contains a NAME, or all if no
-NAME is given. --write writes the decks and the expect.toml of this folder, for a selection of the
-cases.
+It prints the largest relative errors of the forces on both sides, of the stress, and of the
+smoothed pressure on both sides (at the worst point). The cases run are those whose name contains a
+NAME, or all if no NAME is given. --write writes the decks and the expect.toml of this folder, for a
+selection of the cases.
 """
 
 import argparse
@@ -91,8 +92,8 @@ class Body:
         return 0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1))
 
     def xml(self):
-        """Biquadratic in the plane, with inner control points moved by `warp`, and linear across
-        it.
+        """The block as a spline: biquadratic in the first two directions, with inner control points
+        moved by `warp`, and linear in the third.
         """
         rows = []
         for k in (0, 1):

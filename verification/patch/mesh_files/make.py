@@ -109,8 +109,8 @@ def mixed():
 
 
 def hanging():
-    """On the common face, nodes of the fine block hang on nodes of the coarse block; some of them
-    form a chain.
+    """Two blocks. On the common face, nodes of the fine block hang on nodes of the coarse block;
+    some do so by a chain, in which a master is itself a slave.
     """
     rng = np.random.default_rng(5)
     coarse, fine = np.array([1, 2, 2]), np.array([2, 4, 4])

@@ -93,8 +93,8 @@ def tests_of(path):
 
 
 def compact(arguments):
-    """The two values, of which an array section in parentheses is a copy: gfortran 12 loses the
-    stride of a section such as list%n when it is passed as `class(*)`.
+    """The arguments with the two values in parentheses, which make a copy of an array section:
+    gfortran 12 loses the stride of a section such as list%n when it is passed as `class(*)`.
 
     >>> compact("[1, 2], list(:)%n, 'one, two'")
     "([1, 2]), (list(:)%n), 'one, two'"
