@@ -27,7 +27,7 @@ module view
     integer, allocatable :: vtk(:)          !! (ncell) VTK cell type
     integer, allocatable :: degree(:, :)    !! (3, ncell)
     integer, allocatable :: material(:)     !! (ncell) number in the deck; 0: a rigid body
-    integer, allocatable :: body(:)         !! (ncell) PATCh in the order of the deck; 0: FEAP mesh
+    integer, allocatable :: body(:)         !! (ncell) body, in the order of the deck; 0: FEAP mesh
     integer, allocatable :: block(:)  !! (ncell) block of the mesh, which gives the element type
     integer, allocatable :: element(:)      !! (ncell) element number
     character(:), allocatable :: type_names !! such as '1 Q1N2.1, 2 Q1'

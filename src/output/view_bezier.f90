@@ -31,7 +31,7 @@ contains
     integer, intent(out) :: degree(3)                  !! degrees of the Bezier cell
     real(wp), allocatable, intent(out) :: coef(:, :)   !! (nen, npoint)
     real(wp), allocatable, intent(out) :: weight(:)    !! (npoint)
-    real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last row: W
+    real(wp), allocatable :: a(:, :, :, :) !! (nen+1, n1, n2, n3); last row: weight
     real(wp), allocatable :: m1(:, :), m2(:, :), m3(:, :)
     integer :: i, j, k, n
 

@@ -69,7 +69,7 @@ contains
     call make_group(file, CELLS, error)
     call write_list(file, CELLS//'/material', view%material, AS_INT64, 'MATErial', error)
     call write_list(file, CELLS//'/body', view%body, AS_INT64, &
-                    'PATCh in the order of the deck; 0: FEAP mesh', error)
+                    'number of the body, in the order of the deck; 0: FEAP mesh', error)
     call write_list(file, CELLS//'/type', view%block, AS_INT64, 'element type: '//view%type_names, &
                     error)
     call write_list(file, CELLS//'/element', view%element, AS_INT64, 'element number', error)

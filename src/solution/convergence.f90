@@ -61,7 +61,7 @@ contains
     if (newton%largest_energy > 0.0_wp) pass%ratio = pass%energy/newton%largest_energy
     if (.not. ieee_is_finite(pass%energy)) then
       pass%ok = .false.
-      pass%trouble = 'the energy of the increment is not a number'
+      pass%trouble = 'the energy of the increment is infinite or not a number'
       return
     end if
     if (.not. (moved .or. newton%largest_energy > 0.0_wp)) then
