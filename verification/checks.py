@@ -40,7 +40,7 @@ class Outcome:
 
 @dataclass
 class Row:
-    """One line of the table."""
+    """One line of the table that `verify` prints: a quantity and the value that it must have."""
 
     case: str
     quantity: str

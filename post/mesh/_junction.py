@@ -51,7 +51,7 @@ def _upright(made, members):
 
 
 def _groups(surface):
-    """(m) for each quad the number of its group; T-junctions join quads to a group."""
+    """(m) for each quad the number of its group; quads at the same T-junction are in one group."""
     users = {}
     for e, row in enumerate(surface.corners.tolist()):
         for a, b in zip(row, row[1:] + row[:1]):

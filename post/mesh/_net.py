@@ -249,7 +249,10 @@ def refined(net):
 
 
 def _moved(net, twin, middle, ends, number, x):
-    """Old points after the step: (F + 2 R + (n - 3) P)/n inside, (a + 6 P + b)/8 at a boundary."""
+    """The old points P after the step: (F + 2 R + (n - 3) P)/n inside, where F and R are the means
+    of the middles of the n quads and n edges around P, and (a + 6 P + b)/8 at a boundary, where a
+    and b are the neighbours of P on the boundary.
+    """
     result = x.copy()
     for v, fan in fans(net.quads, twin)[0].items():
         n = len(fan)

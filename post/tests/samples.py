@@ -45,7 +45,7 @@ def write_report(path, **changes):
 
 
 def write_run(folder, stem="cube", **curve):
-    """A curve and a report of one run."""
+    """Write a curve and a report, as one run would; return the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     write_curve(folder / f"{stem}_force.dat", **curve)
     write_report(folder / f"{stem}.report.json")

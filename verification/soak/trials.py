@@ -304,7 +304,7 @@ def kill_trial(context, chance):
 
 
 def stop_trial(context, chance):
-    """Stop before given commands: between iterations, cut-backs and output."""
+    """Stop before a random command, which may be between iterations, cut-backs or output."""
     deck = chance.choice(list(KILLED))
     _, _, commands = context.whole(deck)
     home, history, wrong = context.folder(), [], ""

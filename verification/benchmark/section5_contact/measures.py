@@ -110,8 +110,8 @@ def slopes(have, key, value):
 
 
 def torque(runs):
-    """Without friction: the largest torque, its order, and the errors of periodicity and
-    antisymmetry.
+    """Without friction: the largest torque, how many times larger that of Q1E9 is, the order of
+    convergence, and the errors of periodicity and antisymmetry.
     """
     shown = []
     for e in DOFS:
