@@ -136,8 +136,6 @@ def _numbers(name, got, want, tolerance, b, of_b):
         sides = [
             s for s, v in (("the first", got), ("the second", want)) if not np.isfinite(v).all()
         ]
-        result.note = (
-            f"NaN or infinity in {' and '.join(sides)} file (number of rows: {int((~finite).sum())})"
-        )
+        result.note = f"NaN or infinity in {' and '.join(sides)} file (number of rows: {int((~finite).sum())})"
     result.changes = {int(of_b[i]): float(got[i]) for i in np.flatnonzero(failed)}
     return result
