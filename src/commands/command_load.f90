@@ -47,7 +47,7 @@ contains
     end if
   end subroutine table_range
 
-  !> Read tables: a blank record alone, `1 k tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
+  !> Read tables: a blank record alone, `1 e tmin tmax a1 a2 a3 a4 a5`, or `2 n` and its pairs.
   subroutine read_tables(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -75,7 +75,7 @@ contains
         if (allocated(error)) return
         select case (table%kind)
         case (1)
-          call check_count(record, 1, 9, '1 k tmin tmax a1 a2 a3 a4 a5', error)
+          call check_count(record, 1, 9, '1 e tmin tmax a1 a2 a3 a4 a5', error)
           if (.not. allocated(error)) call get_integer(run%deck, record, 2, table%power, error, 0)
           if (.not. allocated(error)) call get_real(run%deck, record, 3, table%tmin, error, 0.0_wp)
           if (.not. allocated(error)) call get_real(run%deck, record, 4, table%tmax, error, 0.0_wp)
@@ -86,7 +86,7 @@ contains
           if (.not. allocated(error) .and. table%tmax <= table%tmin) then
             call fail(error, DECK_ERROR, 'expected tmax greater than tmin = ' &
                       //to_text(table%tmin)//', found '//to_text(table%tmax), record%place(4), &
-                      '1 k tmin tmax a1 a2 a3 a4 a5')
+                      '1 e tmin tmax a1 a2 a3 a4 a5')
           end if
         case (2)
           call check_count(record, 1, 2, '''2 n'', then records of n pairs t p each, and a ' &

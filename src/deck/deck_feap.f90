@@ -88,7 +88,8 @@ module deck_feap
     advice_t('base', 'MOVE prescribes the motion of supports'), &
     advice_t('beta', 'TRANsient chooses the scheme of time integration'), &
     advice_t('bfgs', &
-      'UTAN,LINE,1 searches along the increment; FACTor REUSe solves with an earlier tangent'), &
+      'UTAN,LINE,1 searches along the increment; FACTor REUSe uses earlier factors as a ' &
+      //'preconditioner'), &
     advice_t('chec', 'every deck is checked before it is solved; bezel --check only checks it'), &
     advice_t('comm', 'comments begin with !'), &
     advice_t('cont', 'contact is found anew in each iteration; remove this word'), &
