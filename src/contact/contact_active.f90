@@ -17,11 +17,12 @@ module contact_active
   public :: pairs_t, new_pairs, need_pair, find_pair, forget_need, has_idle, prune_pairs, &
             pair_clique, map_pairs, project_side, follow_silent
 
-  !> Positions of the blocks of one pair in the tangent matrix.
+  !> Positions of the blocks of one pair in the tangent matrix. nk and nl are the numbers of nodes
+  !! of the element and of its partner.
   type :: map_t
-    integer, allocatable :: at(:, :)     !! (nk, nl)
-    integer, allocatable :: back(:, :)   !! (nl, nk) rows of the partner, with BALAnced
-    integer, allocatable :: there(:, :)  !! (nl, nl) diagonal block of the partner, with BALAnced
+    integer, allocatable :: at(:, :)     !! (nk, nl) rows of the element
+    integer, allocatable :: back(:, :)   !! (nl, nk) rows of the partner, if both sides are loaded
+    integer, allocatable :: there(:, :)  !! (nl, nl) diagonal block of the partner, likewise
   end type map_t
 
   !> Pairs of an element of one side and an element of the other side. The pairs of an element form

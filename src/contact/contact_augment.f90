@@ -117,9 +117,9 @@ contains
     end associate
   end function value_at
 
-  !> With AUGMent, let a penalty act at the control points too. The penalty at the points is not
-  !! reduced: a control point whose support is larger than the contact area has a positive mean gap
-  !! and therefore bears no load.
+  !> With AUGMent, let a penalty act at the control points too. The penalty at the integration
+  !! points is not reduced: a control point whose support is larger than the contact area has a
+  !! positive mean gap and therefore bears no load.
   pure subroutine share_penalty(contact)
     type(contact_t), intent(inout) :: contact
 

@@ -5,7 +5,7 @@
 !!
 !! g is the vector from the partner x_p = x_l(xi_0) to the point x, and n is the outward unit normal
 !! of side l at xi_0. Both surfaces move while xi_0 is constant, so that, with the tangents a_1 and
-!! a_2 at the partner,
+!! a_2 at the partner and the dual tangents a^1 and a^2,
 !!
 !!   dg = dx - dx_p,    dn = -sum_j a^j (n . da_j).
 !!
@@ -259,9 +259,9 @@ contains
     if (.not. contact%on_pair) return
 
     ! The penalty acts along the partner's normal until the bond has opened by half of the opening
-    ! at which it is released. Between this half and the full opening, the penalty at the current
-    ! projection gradually replaces it. If points load both surfaces, the opening at the start of
-    ! the step is used, because the elements of the partner and of the projection are not coupled.
+    ! at which it is released. From there to the full opening, the penalty at the current projection
+    ! gradually replaces it. If points load both surfaces, the opening at the start of the step is
+    ! used, because the elements of the partner and of the projection are not coupled.
     bond%gap = dot_product(n, g)
     r = norm2(g)
     if (contact%balanced) r = points%opening_step(i)

@@ -36,9 +36,9 @@ module contact_cells
   real(wp), parameter :: MOST_UNEVEN = 0.9_wp
   integer, parameter :: MOST_STEPS = 20        !! largest number of Newton steps
   integer, parameter :: USUAL_POINTS = 5       !! default of QUADrature
-  !> A piece whose map is not a polynomial has one more point in each direction by default. If an
-  !! exact result would need more than MANY further points, as on strongly deformed surfaces, the
-  !! piece gets none, because they would cost more than the accuracy is worth.
+  !> By default, a piece whose map is not a polynomial has one more point in each direction. If it
+  !! needed more than MANY further points for ACCURACY, as on strongly deformed surfaces, it has
+  !! none, because they would cost more than the accuracy is worth.
   integer, parameter :: MANY = 5
   integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
@@ -48,9 +48,9 @@ module contact_cells
   type :: rule_t
     real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) rule of order n
     real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
-    integer :: least = 1                    !! points needed for polynomials of both surfaces
-    integer :: further = 0                  !! points of QUADrature beyond the default
-    integer :: whole = 1                    !! points of a whole element
+    integer :: least = 1 !! points in one direction for polynomials of both surfaces
+    integer :: further = 0 !! further points that QUADrature permits, in one direction
+    integer :: whole = 1 !! points of a whole element in one direction
   end type rule_t
 
   !> Points of the cells of one side.
@@ -191,9 +191,9 @@ contains
     n = min(max(n, rule%least + order), MOST_ORDER)
   end function order_of_piece
 
-  !> Number of Gauss points that are needed in addition to those for polynomials, where the tangents
-  !! change by the fraction r over a cell. If n points integrate 1/(1 + r t), their error decreases
-  !! with rho^(-2n), where rho = (1 + sqrt(1 - r^2))/r.
+  !> Number of Gauss points, in each direction, that a cell over which the tangents change by the
+  !! fraction r needs in addition to those for polynomials. If n points integrate 1/(1 + r t), their
+  !! error decreases with rho^(-2n), where rho = (1 + sqrt(1 - r^2))/r.
   pure integer function further_order(r) result(n)
     real(wp), intent(in) :: r
     real(wp) :: q
@@ -340,8 +340,9 @@ contains
   end subroutine remove_corner
 
   !> Where edges of both facets lie on one line, rounding decides which of them the clipping keeps,
-  !! whether it adds a corner between them, and which corner is the first. To avoid this, take the
-  !! whole edge of the other facet, and keep the order that clipping with distinct lines would give.
+  !! whether it adds a corner between them, and which corner is the first. To avoid this, such an
+  !! edge is counted as an edge of the other facet, corners within it are removed, and the corners
+  !! get the order that clipping with distinct lines would give.
   pure subroutine settle_edges(seen, m, corner, tag)
     real(wp), intent(in) :: seen(2, 4)      !! the other facet
     integer, intent(inout) :: m             !! corners

@@ -6,8 +6,8 @@
 !! Source:  Corbett and Sauer 2015, eq. (31), after Xu and Needleman 1993. The traction is per
 !!          reference area, and the energy per area is e T0 g0 in every mixture of modes. Unloading
 !!          follows Camacho and Ortiz 1996: the largest opening is found from the gap g without its
-!!          compressive part, so that compression causes no damage. When the bond has torn, only the
-!!          penalty resists compression
+!!          compressive part, so that compression causes no damage. When the bond has broken, only
+!!          the penalty resists compression
 module contact_cz
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, REVERSIBLE, WHOLE

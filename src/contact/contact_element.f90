@@ -15,16 +15,17 @@ module contact_element
   private
   public :: form_element
 
-  !> Fractions of DEPTh. With BORDer the pressure decreases beyond the depth DEEP. With BORDer, and
-  !! at points that entered over the boundary, there is no traction beyond the depth LAST.
+  !> Fractions of DEPTh, used in contacts with bonds. With BORDer, the pressure decreases beyond the
+  !! depth DEEP. With BORDer, and at points that entered over the boundary, there is no traction
+  !! beyond the depth LAST.
   real(wp), parameter :: DEEP = 0.25_wp, LAST = 0.9_wp
   real(wp), parameter :: FIXED_AREA(3, 2) = 0.0_wp !! the reference area does not change
 
 contains
 
   !> Find forces and derivatives of element e of side k, and store the results of its points in
-  !! their history. If no point is in contact, work%npartner is 0 and the rest of `work` is
-  !! undefined.
+  !! their history. If no point is in contact or bonded, work%npartner is 0 and the rest of `work`
+  !! is undefined.
   pure subroutine form_element(contact, k, e, x, feet, slides, points, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e

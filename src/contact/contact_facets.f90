@@ -144,7 +144,7 @@ contains
         n(:, q) = n(:, q)/max(norm2(n(:, q)), tiny(1.0_wp))
       end do
     end do
-    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! only the parameters are uneven
+    if (collapsed_side(surface, e) > 0) uneven = 0.0_wp ! its parameters are uneven, not its shape
     turn = 1.0_wp
     bend = 0.0_wp
     do q = 1, 9
@@ -183,7 +183,7 @@ contains
     do b = 2, n + 1
       facets%bucket(b) = facets%bucket(b) + facets%bucket(b - 1)
     end do
-    do i = n, 1, -1 ! bucket(b + 1), first the end of bucket b, is counted down to its beginning
+    do i = n, 1, -1 ! bucket(b + 1) is counted down from the end of bucket b to its beginning
       facets%bucket(at(i) + 1) = facets%bucket(at(i) + 1) - 1
       facets%order(facets%bucket(at(i) + 1)) = i
     end do

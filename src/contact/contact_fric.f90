@@ -26,9 +26,10 @@ contains
   end function describe
 
   !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p.
-  !! Perpendicular to the direction of slip, the stiffness -dt/dd is mu p divided by |d|. At the
-  !! start of a step, d contains hardly more than its elastic part, so that this stiffness would be
-  !! a hundred times too large. The expected slip `ahead` is therefore added to |d|.
+  !! Perpendicular to the direction of slip, the stiffness -dt/dd is mu p divided by |d|, where d is
+  !! the vector from the sliding point. At the start of a step, d contains hardly more than its
+  !! elastic part, so that this stiffness may be a hundred times too large. The expected slip
+  !! `ahead` is therefore added to |d|.
   pure subroutine coulomb(prop, d, p, ahead, t, dtdd, dtdp, elastic, state)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: d(3), p, ahead

@@ -22,7 +22,9 @@ module contact_history
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
             side_positions, enter_slide, accept_slides, trail_behind
 
-  !> A point lies at a surface if its distance from the surface is less than this fraction of DEPTh.
+  !> Fraction of DEPTh: a point beside the other surface is marked if it is less than this above the
+  !! tangent plane of the border (mark_beside). The pressure of a marked point that has entered the
+  !! body decreases beyond this depth.
   real(wp), parameter, public :: BESIDE = 0.1_wp
 
   integer, parameter :: MOST_STEPS = 20

@@ -82,7 +82,7 @@ contains
             text = text//', in step '//to_text(now%nearest_step)
           end if
         else
-          text = text//'no point of one side was ever opposite the other side'
+          text = text//'no point of either side was ever opposite the other side and close to it'
         end if
         if (now%deepest > NOTHING) then
           text = text//'; corners of elements penetrate by up to '//to_text(100*now%deepest, 3) &

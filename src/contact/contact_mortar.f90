@@ -42,16 +42,16 @@ module contact_mortar
   private
   public :: find_mortar, add_mortar
 
-  !> Cells are cut again if a node has since moved farther than this many times the size of the
-  !! smallest facet.
+  !> Cells are cut again if, since the last cut, a node has moved farther than this many times the
+  !! size of the smallest facet.
   real(wp), parameter :: MOVED_FAR = 1.0_wp
   !> The iteration has settled when its last increment is below this fraction of the size of the
   !! smallest facet.
   real(wp), parameter :: SETTLES = 0.3_wp
   !> Once the iteration has settled, cells are cut again if a node has moved farther than this
   !! fraction of the size of the smallest facet. The converged state then does not depend on where
-  !! the iteration began. Without friction, its forces have a potential, and the state rotates with
-  !! the bodies.
+  !! the iteration began. Without friction, the forces in this state have a potential, and the state
+  !! rotates with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
   !> Largest number of times that the cells of a step are cut again after the iteration has settled.
   integer, parameter :: MOST_CUTS = 8
@@ -124,8 +124,8 @@ contains
     mortar%step = step
   end subroutine find_mortar
 
-  !> Add the motion of both sides since the last projection to `travel`, a bound on all motions so
-  !! far.
+  !> Add the motion of both sides since the last projection to `travel`, a bound on their motion
+  !! since the cells were cut.
   subroutine add_travel(mortar, contact, x)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -154,8 +154,8 @@ contains
   end function largest_motion
 
   !> Project the points of side k. Points that cannot have closed since their last projection stay
-  !! open, unless control points need their gaps. Points that face the same element as the last
-  !! projected point and are nearer to this point than its gap stay open too.
+  !! open, unless control points need their gaps. A point that faces the same element as the last
+  !! projected point stays open too if its distance from that point is less than the gap there.
   subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k

@@ -18,7 +18,7 @@ module contact_pair
   integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
   integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides by half
   !! of its traction
-  integer, parameter, public :: MORTAR = 3   !! cells and control points load both sides
+  integer, parameter, public :: MORTAR = 3   !! points of cells and control points load both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
   !! [-1,1]^2, the first direction fastest. Facets and Lagrange patches are written this way too.
@@ -90,7 +90,7 @@ module contact_pair
     logical :: auto = .false.                !! the penalty follows from stiffness and element size
     real(wp) :: factor = 1.0_wp              !! factor given with AUTO [-]
     character(:), allocatable :: account     !! how AUTO found the penalty
-    real(wp) :: tau = 0.0_wp                 !! time of VISCous [T]; 0: none
+    real(wp) :: tau = 0.0_wp                 !! time of VISCous [T]; 0: no VISCous
   end type assigned_law_t
 
   !> CONTact of the deck.
@@ -104,24 +104,25 @@ module contact_pair
     type(assigned_law_t) :: normal, friction, cohesive
     !> PAIR: the penalty of bonded points acts between point and partner until the bond is released.
     logical :: on_pair = .false.
-    real(wp) :: taper = 0.0_wp               !! BORDer: width relative to an element [-]; 0: none
+    real(wp) :: taper = 0.0_wp !! BORDer: width relative to an element [-]; 0: no BORDer
     integer :: scheme = 0                    !! HALFPASS, BALANCED or MORTAR; 0: not given
     logical :: balanced = .false.            !! BALANCED, and no side is rigid
     !> MORTAR: the penalties that act at points and at control points [F/L^3]. Their sum is the
     !! penalty of the deck; it may be larger with AUGMent.
     real(wp) :: point_penalty = 0.0_wp, control_penalty = 0.0_wp
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
-    type(bond_t), allocatable :: bond(:) !! bonded points are in all these regions
+    type(bond_t), allocatable :: bond(:) !! regions that decide which points are bonded
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element size
     real(wp) :: released = 0.0_wp            !! opening at which a bond counts as released [L]
-    !> Openings of a bond: up to `strongest` the traction increases in every mode, from `weakened`
-    !! on hardly any is left [L].
+    !> The traction of a bond increases up to the opening `strongest` in every mode; hardly any is
+    !! left beyond the opening `weakened` [L].
     real(wp) :: strongest = 0.0_wp, weakened = huge(1.0_wp)
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in each direction
-    integer :: ncell = 1                     !! REFIne: cells in a direction of a refined element
-    !> Rule of an element: first the points of the plain rule, then those of the cells.
+    integer :: ncell = 1                     !! REFIne: cells of a refined element in one direction
+    !> Integration points of an element: first those of the plain rule, which is QUADrature without
+    !! REFIne, then those of the cells of REFIne.
     integer :: nq = 0, nplain = 0            !! all points; points of the plain rule
     real(wp), allocatable :: xi(:, :)        !! (2, nq)
     real(wp), allocatable :: wgt(:)          !! (nq)
@@ -168,7 +169,7 @@ module contact_pair
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no projection
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
     real(wp), allocatable :: traction(:, :)  !! (3, np) traction on this side [F/L^2]
-    real(wp), allocatable :: friction(:, :)  !! (3, np) part of `traction` [F/L^2]
+    real(wp), allocatable :: friction(:, :)  !! (3, np) frictional part of `traction` [F/L^2]
     !> (3, np) part of the tangential displacement that is not slip [L].
     real(wp), allocatable :: elastic(:, :)
     real(wp), allocatable :: slip(:)         !! (np) length of the slip [L]
@@ -223,15 +224,14 @@ module contact_pair
     !! whichever is smaller [-].
     real(wp) :: deepest = 0.0_wp
     real(wp) :: largest_force = 0.0_wp       !! largest force over all steps [F]
-    !> As long as the contact has not closed in any step: the smallest gap of all steps [L], the
-    !! point where it occurs, and its step.
-    logical :: touched = .false.
+    logical :: touched = .false.             !! the contact has closed in some step
+    !> If it has not: the smallest gap so far [L], the point where it occurs, and its step.
     real(wp) :: nearest = huge(1.0_wp), x_nearest(3) = 0.0_wp
     integer :: nearest_step = 0              !! 0: before the first step
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
     logical :: break_warned = .false.        !! warned about bonds that break within a step
-    !> Size of the touching region at the largest force so far, relative to an element; negative:
-    !! the region extends over elements, or is not known (contact_patch).
+    !> Width of the touching region at the largest force so far, relative to an element
+    !! (contact_patch); negative: not measured.
     real(wp) :: patch = -1.0_wp
   end type contact_state_t
 

@@ -7,9 +7,9 @@
 !! - In every element of the side, at most half of the area that faces the other side touches. Flat
 !!   faces that overlap in a part of an element touch wherever they face each other.
 !! - The region is narrow. Its width follows from the second moments of the pressure forces about
-!!   their centre: it is 4 times the root of the middle principal moment per force, which is 2 b for
-!!   Hertz's pressure on a strip of width 2 b, and 1.8 a on a circle of radius a. The smallest
-!!   moment is that along the normal of a flat region.
+!!   their centre: it is 4 times the square root of the middle principal moment divided by the total
+!!   force. This is 2 b for Hertz's pressure on a strip of width 2 b, and 1.8 a on a circle of
+!!   radius a. The smallest moment is that along the normal of a flat region.
 !!
 !! Several regions far apart and long curved ones are therefore not found.
 module contact_patch
@@ -25,7 +25,7 @@ module contact_patch
   private
   public :: follow_patch, warn_small_patches
 
-  real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! of an element that a small region covers
+  real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! largest touching part of an element's facing area
   real(wp), parameter :: SMALL = 0.25_wp      !! width of a small region, relative to an element
   real(wp), parameter :: WEAK = 0.05_wp       !! force that does not matter, relative to the largest
 

@@ -43,8 +43,8 @@ contains
     call pull_by_secants(secants, MODES, prop, minval(prop(11:12)), lag, g, n, past, now, c)
   end subroutine ppr_law
 
-  !> Compute prop(9:16) from the numbers of the deck; `wrong` is the position of a number for which
-  !! this is impossible.
+  !> Compute prop(9:16) from the numbers of the deck. `wrong` is the position of a number for which
+  !! this is impossible; 0: there is none.
   pure subroutine prepare(prop, wrong, hint)
     real(wp), intent(inout) :: prop(:)
     integer, intent(out) :: wrong
@@ -76,13 +76,15 @@ contains
     prop(12 + i) = -prop(i)*prop(12 + i)
   end subroutine prepare
 
-  !> Secants: with x = k_1/delta_n, P(x) = (1 - x)^(alpha-1) (m/alpha + x)^(m-1),
-  !! Q(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>, and the same for
-  !! y = k_2/delta_t:
-  !! s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
-  !! s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x).
-  !! P is zero beyond the final opening, and Q is zero beyond the opening at which it changes its
-  !! sign.
+  !> Secants: with x = k_1/delta_n and y = k_2/delta_t,
+  !!
+  !!   s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
+  !!   s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x),
+  !!   P_n(x) = (1 - x)^(alpha-1) (m/alpha + x)^(m-1),
+  !!   Q_n(x) = Gamma_n (1 - x)^alpha (m/alpha + x)^m + <phi_n - phi_t>.
+  !!
+  !! P_t and Q_t have the same form with beta, n, Gamma_t and <phi_t - phi_n>. P is zero beyond the
+  !! final opening, and Q is zero beyond the opening at which it changes its sign.
   pure subroutine secants(prop, k, s, ds)
     real(wp), intent(in) :: prop(:), k(2)
     real(wp), intent(out) :: s(2), ds(2, 2)

@@ -91,10 +91,10 @@ contains
     end if
     now%break_warned = .true.
     call warn("contact '"//contact%name//"': "//to_text(100*part, 3)//' % of the bonds break ' &
-              //'within step '//to_text(state%step)//': before it their traction was still ' &
-              //'increasing, after it they bear almost nothing, so the curves miss the largest ' &
-              //'force', contact%place, 'take smaller steps before time ' &
-              //to_text(state%time)//': DT with a smaller dt')
+              //'within step '//to_text(state%step)//', before which their traction was still ' &
+              //'increasing; they now bear almost nothing, and the curves miss the largest force', &
+              contact%place, 'take smaller steps before time '//to_text(state%time) &
+              //': DT with a smaller dt')
   end subroutine report_break
 
   !> Record the balance and the penetration of an accepted step, and warn if they show that results
@@ -134,9 +134,9 @@ contains
         if (contact%friction%given .and. .not. now%friction_warned) then
           if (is_soft(contact, now, state%u)) then
             now%friction_warned = .true.
-            call warn("contact '"//contact%name//"': the elastic slip is as large as the motion, " &
-                      //'so friction hardly acts', contact%place, 'use a stiffer penalty: ' &
-                      //'FRICtion COULomb mu PENAlty AUTO')
+            call warn("contact '"//contact%name//"': the elastic slip is more than half of " &
+                      //'the motion, so friction hardly acts', contact%place, 'use a stiffer ' &
+                      //'penalty: FRICtion COULomb mu PENAlty AUTO')
           end if
         end if
         if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
@@ -144,7 +144,7 @@ contains
           call warn("contact '"//contact%name//"': surfaces penetrate by " &
                     //to_text(100*deepest, 3)//' % of the width of an element or of the ' &
                     //'thickness of a body', contact%place, &
-                    'use a stiffer penalty, NORMal PENAlty AUTO 10, or a finer mesh')
+                    "use a stiffer penalty, such as 'NORMal PENAlty AUTO 10', or a finer mesh")
         end if
       end associate
     end do
@@ -189,8 +189,8 @@ contains
     if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
     call warn('penetration absorbs '//to_text(100*state%energy%penetration_share, 3) &
               //' % of the work of supports and loads: the penalty is too soft', &
-              model%contact(1)%place, 'use a stiffer penalty, such as '//stiffer &
-              //', or a finer mesh')
+              model%contact(1)%place, "use a stiffer penalty, such as '"//stiffer &
+              //"', or a finer mesh")
   end subroutine warn_soft_penalty
 
   !> The smallest of the thicknesses of both sides and of the mean widths of the elements of those
@@ -207,8 +207,8 @@ contains
     end do
   end function smallest
 
-  !> Is the elastic slip of a point that sticks about as large as the motion of its surface, and not
-  !! negligible?
+  !> Is the elastic slip of a point that sticks more than half of the largest displacement of the
+  !! two surfaces, and not negligible?
   pure logical function is_soft(contact, state, u) result(yes)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state

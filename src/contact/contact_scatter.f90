@@ -1,5 +1,5 @@
-!> Adds forces and derivatives of one surface element, which contact_work holds, to the global
-!! system.
+!> Adds the forces and derivatives of one surface element to the global system; contact_work holds
+!! them.
 module contact_scatter
   use base_kinds, only: wp
   use contact_active, only: pairs_t, find_pair

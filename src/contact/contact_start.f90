@@ -39,10 +39,10 @@ module contact_start
     real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
     real(wp) :: x(3) = 0.0_wp            !! point with the largest penetration [L]
     integer :: nnear = 0                 !! number of points about as near as the nearest
-    integer :: naway(2) = 0              !! number of these where side 1, or side 2, faces away
-    real(wp) :: overlap = 0.0_wp         !! largest penetration from DEPTh to the thickness [L]
+    integer :: naway(2) = 0              !! numbers of these where side 1 and side 2 face away
+    real(wp) :: overlap = 0.0_wp         !! largest penetration between DEPTh and the thickness [L]
     real(wp) :: x_overlap(3) = 0.0_wp    !! point with this penetration [L]
-    integer :: nbehind = 0               !! those of nnear that are behind the whole other body
+    integer :: nbehind = 0               !! number of the near points behind the whole other body
     !> No integration point is opposite the other side, but points of the rigid side are.
     logical :: unseen = .false.
     real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
@@ -63,7 +63,7 @@ contains
     type(contact_state_t) :: state
     type(start_t) :: start
     integer :: c, k, n(2)
-    logical :: apart                     ! no point of one side is opposite the other side
+    logical :: apart                     ! no point of either side is opposite the other side
     character(:), allocatable :: name
 
     do c = 1, size(model%contact)
@@ -115,7 +115,7 @@ contains
           call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
                     //contact%side(k)%name//' at the start, so contact does not act there', &
                     contact%place, 'remove SCHEme to use the default scheme, or use ' &
-                    //'smaller elements or more points, QUADrature 10 10')
+                    //"smaller elements or more points, such as 'QUADrature 10 10'")
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
                     //'penetrate the other side at the start, by up to ' &
@@ -151,8 +151,8 @@ contains
     if (.not. maxval(area) - minval(area) > UNEQUAL*maxval(area)) return
     call warn("contact '"//contact%name//"': the bonded areas of its two sides differ (" &
               //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use more ' &
-              //'points, QUADrature 10 10, or elements whose borders follow the edge of the ' &
-              //'bonded area')
+              //"points, such as 'QUADrature 10 10', or elements whose borders follow the edge " &
+              //'of the bonded area')
   end subroutine warn_unequal_bonds
 
   !> Warn about bonds that soften from the start, because the initial gap between two surfaces
@@ -291,7 +291,7 @@ contains
             away(n) = 0
             behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
             if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
-              ! a point outside the other body sees its front, a point inside sees its back
+              ! outside the other body side k faces away, inside it the other side does
               away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
             end if
           end if

@@ -2,7 +2,7 @@
 !!
 !! Surfaces have the type surface_t of contact_pair. See also surface_basis (shape functions on a
 !! face), surface_topology and surface_t_junctions (neighbours, vertices), surface_geometry (current
-!! position, tangents), surface_traversal (motion along a surface); then `projection`.
+!! position, tangents), surface_traversal (motion along a surface) and projection.
 module contact_surface
   use base_error, only: error_t
   use base_kinds, only: wp, i8
@@ -28,7 +28,7 @@ contains
   !> Assemble a surface from element faces.
   subroutine build_surface(mesh, block, elem, side, name, surface, error)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6 of elements
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) `side`: local face, 1 to 6
     character(*), intent(in) :: name
     type(surface_t), intent(out) :: surface
     type(error_t), allocatable, intent(out) :: error
@@ -43,7 +43,7 @@ contains
   !! no element is given a neighbour.
   subroutine gather_faces(mesh, block, elem, side, name, surface)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) local faces 1 to 6 of elements
+    integer, intent(in) :: block(:), elem(:), side(:) !! (nelem) `side`: local face, 1 to 6
     character(*), intent(in) :: name
     type(surface_t), intent(out) :: surface
     type(class_t), allocatable :: class(:)

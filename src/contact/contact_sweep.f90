@@ -26,7 +26,7 @@ module contact_sweep
   integer, parameter :: MOST_STAGES = 40
   integer, parameter :: MOST_CROSSINGS = 16
   !> A point that was inside at the start of the step has passed through if it is now deeper than
-  !! TWICE*DEPTh, which is about the thickness of the thinner body.
+  !! TWICE*DEPTh, which by default is the thickness of the thinner body.
   real(wp), parameter :: TWICE = 2.0_wp
   real(wp), parameter :: ON_EDGE = 1.0e-9_wp
 
@@ -46,8 +46,8 @@ module contact_sweep
 
 contains
 
-  !> Find a point of one side that has passed through the other side to a depth of more than DEPTh;
-  !! side = 0 if there is none. Self-contact is not examined.
+  !> Find a point of one side that has passed through the other side to a depth of more than
+  !! least_depth; side = 0 if there is none. Self-contact is not examined.
   subroutine find_sweep(contact, x_start, x, depth, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start and now [L]
@@ -94,8 +94,8 @@ contains
     end do
   end subroutine place
 
-  !> Depth beyond which a point has passed through: DEPTh, or half the thickness of the thinner body
-  !! [L].
+  !> Depth beyond which a point has passed through: DEPTh or half the thickness of the thinner body,
+  !! whichever is less [L].
   pure real(wp) function least_depth(contact) result(depth)
     type(contact_t), intent(in) :: contact
     integer :: k
@@ -464,7 +464,7 @@ contains
     end do
   end function root
 
-  !> Is a point in the plane of a triangle inside it at time t?
+  !> Does a point that lies in the plane of a triangle at time t lie inside the triangle?
   pure logical function is_over(other, j, p, t) result(yes)
     type(triangles_t), intent(in) :: other
     integer, intent(in) :: j

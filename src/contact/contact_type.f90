@@ -19,7 +19,7 @@ module contact_type
 
   !> Columns of `prop` that every law of a role has. Cohesive laws define their own.
   integer, parameter, public :: PENALTY = 1    !! NORMAL: eps [F/L^3]
-  integer, parameter, public :: SMOOTHING = 2  !! NORMAL: penetration of SMOOth [L]; 0: none
+  integer, parameter, public :: SMOOTHING = 2  !! NORMAL: penetration of SMOOth [L]; 0: no SMOOth
   integer, parameter, public :: MU = 1         !! FRICTION: coefficient of friction [-]
   integer, parameter, public :: TANGENTIAL_PENALTY = 2 !! FRICTION: eps_t [F/L^3]
 
@@ -88,8 +88,8 @@ module contact_type
       import :: wp, cohesion_t
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: lag         !! [-] time of VISCous divided by the time step; 0 if
-      !! there is none
+      real(wp), intent(in) :: lag         !! [-] time of VISCous divided by the time step; 0
+      !! without VISCous
       real(wp), intent(in) :: g(3)        !! [L] vector from the partner to the point
       real(wp), intent(in) :: n(3)        !! [-] normal at the partner; unused unless `oriented`
       real(wp), intent(in) :: past(:)     !! (MAX_PAST) history variables at the start of the step

@@ -1,8 +1,8 @@
 !> Contribution of an integration point to the forces of its element and to their derivatives.
 !!
-!! The force on node b of the element is N_b t da. With BALAnced the force on node c of the partner
-!! is -M_c(xi) t da, where M are the functions of the partner. The traction t and the area da vary,
-!! and at a projection xi varies too:
+!! The force on node b of the element is N_b t da. With BALAnced, the force on node c of the partner
+!! is -M_c(xi) t da, where M are the functions of the partner, and da includes the factor own_share.
+!! The traction t and the area da vary, and at a projection xi varies too (vary_projection):
 !!
 !!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
 !!
@@ -30,13 +30,13 @@ module contact_work
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
     real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx of the nodes [F/L]
     real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) dr/dx of partners' nodes
-    !> BALAnced: force on the partners' nodes, and its derivatives with respect to the nodes of the
-    !! element and to those of the partner.
+    !> BALAnced, MORTar: force on the partners' nodes, and its derivatives with respect to the nodes
+    !! of the element and to those of the partner.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
     real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
     real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
-    !> BALAnced: derivatives of the force on one partner, slot pair(1), with respect to the nodes of
-    !! another one, slot pair(2).
+    !> BALAnced, MORTar: derivatives of the force on one partner, slot pair(1), with respect to the
+    !! nodes of another one, slot pair(2).
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
     real(wp), allocatable :: cross(:, :, :)    !! (3*nl, 3*nl, ncross)
@@ -63,7 +63,7 @@ contains
     mk = maxval(contact%side(k)%basis%nsf)
     ml = maxval(contact%side(3 - k)%basis%nsf)
     m = max(mk, ml)
-    n = 3*contact%nq                   ! partners of an element
+    n = 3*contact%nq                   ! bond, projection and sliding point
     if (contact%scheme == MORTAR) n = 8 ! see reserve_partners
     allocate (work%partner(n), work%r(3, mk), work%kk(3*mk, 3*mk))
     allocate (work%kl(3*mk, 3*ml, n), work%shp(m), work%dshp(2, m), work%own(m))
@@ -196,7 +196,8 @@ contains
     call raise(a, n, up, area)
   end subroutine tangents_on
 
-  !> Position of integration point q, contravariant tangents, and area per parent area.
+  !> Position of integration point q, contravariant tangents, and area per unit area of the
+  !! parameters.
   pure subroutine measure(own, e, q, x, work, xq, up, area)
     type(surface_t), intent(in) :: own
     integer, intent(in) :: e, q

@@ -2,8 +2,8 @@
 !! to zero over a fraction of an element, so that a point that slides across the boundary does not
 !! lose its load suddenly.
 !!
-!! With the taper s(xi) at the projection and the potential W of the pressure, the energy of the
-!! point is s W per area, from which the traction follows:
+!! With the pressure p, its potential W, the normal n and the taper s(xi) at the projection, the
+!! energy of the point is s W per area, from which the traction t follows:
 !!
 !!   t = s p n - W grad s,    grad s = sum_a s_,a a^a = v.
 !!
@@ -23,8 +23,8 @@ module edge_taper
 
 contains
 
-  !> At a point near the outer boundary, replace the traction that the laws give by t, and update
-  !! its derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
+  !> At a point near the outer boundary, replace the traction of the laws with t, and update its
+  !! derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
   !!
   !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
   pure subroutine taper_edge(width, outside, foot, point, dt)

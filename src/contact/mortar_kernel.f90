@@ -1,12 +1,13 @@
 !> Forces and derivatives of the points of one element with the mortar scheme.
 !!
-!! A point of element e loads its own nodes b with -N_b w t and the nodes c of the element that it
-!! faces with M_c(xi) w t. In these forces, t and xi vary. For all points of e that face the same
-!! element, the derivatives of the forces with respect to the positions x_d of the nodes of both
-!! elements are products of matrices, which BLAS computes:
+!! A point of element e contributes -N_b w t to the internal force r_b of node b of e, and
+!! M_c(xi) w t to that of node c of the element that it faces. Here N and M are the functions of the
+!! two elements, w is the weight of the point times own_share, and t is its traction; t and xi vary.
+!! For all points of e that face the same element, the derivatives of the forces with respect to the
+!! positions x_d of the nodes of both elements are products of matrices, which BLAS computes:
 !!
 !!   dr_b = -sum N_b (w dt/dx_d),
-!!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d).
+!!   dr_c =  sum M_c (w dt/dx_d) + sum_a sum (M_c,a t) (w dxi_a/dx_d),   M_c,a = dM_c/dxi_a.
 !!
 !! Friction also varies with the sliding point, which may belong to another element. The columns of
 !! the matrices are the first components of all nodes of e, then the second and the third

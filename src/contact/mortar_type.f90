@@ -21,14 +21,14 @@ module mortar_type
     type(cells_t) :: cells
     real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
     real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
-    real(wp), allocatable :: p(:), dp(:)      !! (n) pressure, and the derivative of its eps_1 part
+    real(wp), allocatable :: p(:), dp(:)      !! (n) pressure; derivative of its part with eps_1
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not sought
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
     real(wp), allocatable :: slide_shp(:, :)  !! (nl, n) functions at the sliding point
     !> (n) Expected rate of slip [L/T]; negative: none.
     real(wp), allocatable :: ahead(:)
-    real(wp), allocatable :: limit(:)         !! (n) friction limit at the previous slip [F/L^2]
+    real(wp), allocatable :: limit(:)         !! (n) friction limit at the start of the step [F/L^2]
     real(wp), allocatable :: friction(:, :)   !! (3, n) traction of friction [F/L^2]
     real(wp), allocatable :: elastic(:, :)    !! (3, n) see friction_law_i [L]
     real(wp), allocatable :: slip(:)          !! (n) [L]
@@ -64,7 +64,7 @@ module mortar_type
     integer :: cuts = 0                       !! number of cuts of cells since the iteration settled
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
-    real(wp) :: travel = 0.0_wp               !! bound on all motions so far [L]
+    real(wp) :: travel = 0.0_wp               !! bound on the motion since the last cut [L]
     real(wp), allocatable :: x_last(:, :)     !! (3, nnode) positions at the last projection [L]
     real(wp), allocatable :: x_iterate(:, :)  !! (3, nnode) last iterate, without trials [L]
     logical :: slides = .false.               !! friction acts

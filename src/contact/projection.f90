@@ -104,7 +104,7 @@ contains
     end if
   end subroutine project
 
-  !> Project the point x onto the part of a surface where foot%elem and foot%xi are. The search
+  !> Project the point x onto the part of a surface on which foot%elem and foot%xi lie. The search
   !! starts only there, so the projection is a local minimum of the distance. There is no projection
   !! (element 0) if the search ends at the outer boundary or fails.
   pure subroutine project_from(surface, shape, x, foot)
@@ -334,8 +334,8 @@ contains
   end subroutine change_element
 
   !> Change to an element around the nearest vertex if the distance decreases there. An element
-  !! whose collapsed edge is the vertex is entered along those two of its edges that end there; both
-  !! edges are in the ring.
+  !! whose collapsed edge is the vertex is entered along each of the two edges that end there: both
+  !! ends of the collapsed edge are in the ring.
   pure subroutine try_ring(surface, shape, x, iterate, moved)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -99,8 +99,8 @@ contains
     end do
   end subroutine find_active
 
-  !> Find Newton's step for the parameters that are not held, or a Gauss-Newton step if the Hessian
-  !! is not positive definite. From an edge, the step never leads out of the element.
+  !> Find Newton's step for the parameters that are not held fixed, or a Gauss-Newton step if the
+  !! Hessian is not positive definite. From an edge, the step never leads out of the element.
   pure subroutine find_step(iterate, held, d, definite, squares)
     type(iterate_t), intent(in) :: iterate
     logical, intent(in) :: held(2)
@@ -149,7 +149,7 @@ contains
     end do
   end subroutine find_step
 
-  !> Find the step of one parameter while the other one is held.
+  !> Find the step of one parameter while the other one is held fixed.
   pure subroutine step_alone(h, m, g, d, definite)
     real(wp), intent(in) :: h, m, g
     real(wp), intent(out) :: d

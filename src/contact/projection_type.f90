@@ -24,7 +24,8 @@ module projection_type
     real(wp) :: x(3) = 0.0_wp               !! position [L]
     real(wp) :: a(3, 2) = 0.0_wp            !! tangents
     real(wp) :: b(3, 3) = 0.0_wp            !! second derivatives 11, 22, 12
-    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges and at vertices a mean
+    real(wp) :: n(3) = 0.0_wp  !! unit outward normal; on ridges and at vertices the mean
+    !! of those of the elements
     !> Gap: height of the point above the surface, negative inside; on a ridge or at a vertex, the
     !! distance with this sign [L].
     real(wp) :: gap = huge(1.0_wp)

@@ -124,8 +124,9 @@ contains
   end subroutine project_on_itself
 
   !> Find the position on the surface that is nearest to the point xi of element e, among those that
-  !! face this point and can be reached from `foot` along the tangent plane there. If the point xi
-  !! lies beyond the edge of the part to which `foot` belongs, the position found is on that edge.
+  !! face this point and can be reached from `foot` along the tangent plane at `foot`. If the point
+  !! xi lies beyond the edge of the part to which `foot` belongs, the position found is on that
+  !! edge.
   pure subroutine project_on_edge(contact, shape, e, xi, foot)
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape

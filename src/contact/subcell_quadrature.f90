@@ -1,12 +1,12 @@
 !> Subcell quadrature (REFIne of QUADrature): finer integration of elements that are partly in
 !! contact.
 !!
-!! The points of an element are those of the plain rule, followed by the points of m x m cells, with
-!! the plain rule in each cell. One of the two sets is active. The cells are active if some plain
-!! points are in contact and others are not, at the start of the step or at a later iteration. An
-!! element is refined at most once in a step, and coarsened only between steps, so that Newton's
-!! iteration cannot switch back and forth. Both sets have histories; when a step is accepted, those
-!! of the inactive points are updated too.
+!! The points of an element are those of the plain rule, which is QUADrature without REFIne,
+!! followed by the points of m x m cells, with the plain rule in each cell. One of the two sets is
+!! active. The cells are active if some points of the plain rule are in contact and others are not,
+!! at the start of the step or at a later iteration. An element is refined at most once in a step,
+!! and coarsened only between steps, so that Newton's iteration cannot switch back and forth. Both
+!! sets have histories; when a step is accepted, those of the inactive points are updated too.
 module subcell_quadrature
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t
@@ -45,8 +45,8 @@ contains
     end do
   end subroutine begin_refinement
 
-  !> Does the edge of the contact area run through the element? The answer follows from the states
-  !! of its plain points.
+  !> Does the edge of the contact area run through the element? The answer follows from the
+  !! projections of the points of the plain rule.
   pure logical function is_refined(contact, feet)
     type(contact_t), intent(in) :: contact
     type(foot_t), intent(in) :: feet(:)    !! (nplain or more)

@@ -3,8 +3,8 @@
 !! The extraction operator C is found by collocation from the shape functions of the element's row
 !! in the table, so that every element type is covered. Weights are usually kept separately
 !! (surface%w), so that C gives the functions without weights. The exceptions are lateral faces of
-!! rational enriched elements, on which the nodes of both bases share the denominator W of the
-!! surface. There, C contains the weights (the functions of the Lagrange nodes are W N_b), and
+!! rational enriched elements, on which Lagrange nodes and control points share the denominator W of
+!! the surface. There, C contains the weights (the functions of the Lagrange nodes are W N_b), and
 !! surface%w is one.
 module surface_basis
   use base_kinds, only: wp

@@ -3,8 +3,8 @@
 !!
 !! The parameters of a triangle are singular at the vertex to which an edge is collapsed: a straight
 !! line in the plane is a hyperbola in the parameters, which is steep near the vertex. Let h be the
-!! distance from the vertex, 0 there and 1 at the opposite edge, f the parameter along that edge and
-!! g the other one. The chart is
+!! distance from the vertex, 0 there and 1 at the opposite edge, xi_f the parameter along that edge
+!! and xi_g the other one. The chart is
 !!
 !!   u_f = h xi_f,   u_g = xi_g.
 !!

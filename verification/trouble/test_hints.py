@@ -95,7 +95,7 @@ class Contact(Folder):
         self.assertIn(", at the start\n", said)
         said, _ = self.run_deck("back_to_back")
         self.assertIn(
-            "'c' has not closed in any step: no point of one side was ever opposite", said
+            "'c' has not closed in any step: no point of either side was ever opposite", said
         )
 
     def test_a_face_far_above_another_one_is_opposite_it(self):
