@@ -42,13 +42,14 @@ contains
           if (p%spec%geometry == GEO_MESH) then
             do j = 1, size(p%mesh%material)
               call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
-              call check_words(draft, p%mesh%material(j)%number, .false.)
+              call check_words(draft, p%mesh%material(j)%number, 'MESH')
             end do
             cycle ! the nodes of an NPATch are counted at the end
           end if
           if (.not. allocated(p%material_place%file)) cycle ! the record has an error already
           call check_material(draft, p%material, p%material_place)
-          call check_words(draft, p%material, .false.)
+          call check_words(draft, p%material, trim(merge('SPLIne', 'PATCh ', &
+                                                         p%spec%geometry == GEO_SPLINE)))
         end if
         n = product(real(p%spec%nelem, wp)*merge(2.0_wp, 1.0_wp, p%spec%type == 'Q2') + 1.0_wp)
         if (n > MAX_NUMBER) then ! a patch that is too large is not meshed
@@ -69,7 +70,7 @@ contains
     end do
     do i = 1, size(draft%npatch)
       call check_material(draft, draft%npatch(i)%material, draft%npatch(i)%place)
-      call check_words(draft, draft%npatch(i)%material, .true.)
+      call check_words(draft, draft%npatch(i)%material, 'NPATch')
     end do
     call check_element_materials(draft)
     do i = 1, draft%nsupport
@@ -139,29 +140,32 @@ contains
   end subroutine check_material
 
   !> Fail if a material has words that do not apply to its body; report each material once.
-  subroutine check_words(draft, number, is_npatch)
+  subroutine check_words(draft, number, word)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: number
-    logical, intent(in) :: is_npatch !! .true.: an NPATch; .false.: a PATCh, MESH or SPLIne
+    character(*), intent(in) :: word !! word of the body: PATCh, MESH, SPLIne or NPATch
     type(error_t), allocatable :: error
+    character(:), allocatable :: hint
+    logical :: is_npatch
     integer :: m
 
+    is_npatch = word == 'NPATch'
     m = material_index(draft, number)
     if (m == 0) return
     associate (set => draft%model%material(m))
       if (set%given_formulation .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-                  //' has DISPlacement or ENHAnced, but a PATCh uses it', &
-                  set%place, 'remove the word: TYPE of the PATCh gives the formulation')
+                  //' has DISPlacement or ENHAnced, but a '//word//' uses it', &
+                  set%place, 'remove the word: TYPE of the '//word//' gives the formulation')
       else if (set%enhanced .and. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
                   //' is ENHAnced, but an NPATch uses it', &
                   set%place, 'remove the word: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
+        hint = 'remove the word: QUADrature of the '//word//' sets the integration points'
+        if (word == 'MESH') hint = 'remove the word: it applies only to an NPATch'
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-                  //' has NURB interp, but a PATCh uses it', &
-                  set%place, 'remove the word: QUADrature of the PATCh sets the ' &
-                  //'integration points')
+                  //' has NURB interp, but a '//word//' uses it', set%place, hint)
       end if
     end associate
     if (.not. allocated(error)) return

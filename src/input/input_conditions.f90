@@ -68,7 +68,8 @@ contains
         if (draft%nodes%given(n)) cycle
       end if
       call fail(error, DECK_ERROR, 'node '//to_text(n)//' is not defined', &
-                draft%named_nodes%place%at(i), 'the mesh has nodes 1 to '//to_text(mesh%nnode))
+                draft%named_nodes%place%at(i), 'define it with COORdinates or BLOCk; the ' &
+                //'largest node number is '//to_text(mesh%nnode))
       call draft%errors%add(error)
     end do
     call share_conditions(draft, new, bc)
@@ -93,7 +94,7 @@ contains
     call warn_idle_numbers(draft, mesh, active, new, bc)
     if (.not. allocated(bc%rival)) return
     where (.not. (bc%split .or. abs(bc%force - force) > 0.0_wp .or. &
-                  abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load there has a load number
+                  abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load by position at the node
   end subroutine apply_conditions
 
   !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,

@@ -12,7 +12,7 @@ module input_constraint
   private
   public :: close_constraints, release_slaves
 
-  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! distance between a slave and the position that its
+  real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! largest distance of a slave from the place that its
   !! masters give it, relative to their extent
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients or of a
   !! prescribed value

@@ -41,8 +41,8 @@ module input_contact
   real(wp), parameter :: LOCKS = 4.0_wp        !! largest penalty at points, relative to AUTO
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
-  real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed below this area over
-  !! width^2 [-]
+  real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed if its area is less
+  !! than this fraction of width^2
 
 contains
 
@@ -297,7 +297,8 @@ contains
     end associate
   end subroutine element_areas
 
-  !> Area per parent area at point q of element e, for functions R = w N / W, W = sum of w N.
+  !> Area per unit area of the parameters at point q of element e, for functions R = w N / W, where
+  !! W is the sum of w N.
   pure real(wp) function stretch(mesh, s, e, q)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: s

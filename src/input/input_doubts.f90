@@ -16,13 +16,13 @@ module input_doubts
   public :: check_twice, warn_twisted, warn_locking
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
-  !> Poisson's ratios from which on elements cause a warning: linear elements, because they lock;
-  !! quadratic elements and enhanced layers, because of errors of 10 % or more; and Q1E9, for the
-  !! same reason.
+  !> Elements cause a warning if Poisson's ratio is at least LOCKING_FROM (linear elements, because
+  !! they lock), SOFT_FROM (quadratic elements and enhanced layers, because their errors are 10 % or
+  !! more) or STIFF_FROM (Q1E9, because its errors are 10 % or more).
   real(wp), parameter :: LOCKING_FROM = 0.49_wp, SOFT_FROM = 0.498_wp, STIFF_FROM = 0.4995_wp
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
-  real(wp), parameter :: TURNED = 70.0_wp !! smallest twist that is not intended [degrees]
+  real(wp), parameter :: TURNED = 70.0_wp !! a larger twist is hardly intended [degrees]
   !> A line of a face has no meaningful direction if its length, relative to that of the other line,
   !! is less than this.
   real(wp), parameter :: FLAT = 0.05_wp
@@ -272,8 +272,8 @@ contains
   !!   the elements below the layer lock.
   !! - Quadratic displacement elements have displacements that are a few percent too small, but
   !!   their pressure oscillates: in a quarter ring of 6 x 6 elements under pressure, the hoop
-  !!   stress at a point is 1.1, 1.6, 2.2 and 12 times the exact one for 0.49, 0.498, 0.499 and
-  !!   0.4999.
+  !!   stress at a point is 1.1, 1.6, 2.2 and 12 times the exact one for ratios of 0.49, 0.498,
+  !!   0.499 and 0.4999.
   !! - Curved layers ENRIch ... EAS are too soft: by 2, 11 and 25 % at the surface of this ring for
   !!   ratios of 0.49, 0.499 and 0.4999, and by 13 % for 0.4999 with 12 x 12 elements. Q1E9 alone
   !!   has an error of 0.6 %.
@@ -299,7 +299,8 @@ contains
         else if (linear(block%name)) then
           if (m%prop(NU) < LOCKING_FROM) cycle
           call doubt(m, block%name, 'lock', 'use TYPE Q1E9 (with ENRIch: EAS; with ELEMents: ' &
-                     //'ENHAnced), or Q2; elements that lock give far too small displacements')
+                     //'ENHAnced), or Q2; elements that lock give displacements that are far too ' &
+                     //'small')
         else
           if (m%prop(NU) < SOFT_FROM) cycle
           call doubt(m, block%name, 'have stresses that oscillate', 'trust displacements and ' &

@@ -343,16 +343,17 @@ contains
     end if
   end subroutine check_number
 
-  !> Check the increment of generated numbers: an increment above the limit would cause an overflow.
+  !> Check the increment of generated numbers: an increment beyond the limit would cause an
+  !! overflow.
   subroutine check_increment(step, place, error)
     integer, intent(in) :: step
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
 
     if (abs(step) > MAX_NUMBER) then
-      call fail(error, DECK_ERROR, 'the increment '//to_text(step)//' is larger than ' &
-                //to_text(MAX_NUMBER), place, 'a mesh may have at most '//to_text(MAX_NUMBER) &
-                //' nodes and elements')
+      call fail(error, DECK_ERROR, 'the increment '//to_text(step)//' is not between -' &
+                //to_text(MAX_NUMBER)//' and '//to_text(MAX_NUMBER), place, &
+                'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
     end if
   end subroutine check_increment
 

@@ -1,4 +1,4 @@
-!> Warnings about loads and materials that have no effect, and about values that are given twice.
+!> Warnings about loads and materials that have no effect.
 module input_idle
   use base_kinds, only: wp
   use base_log, only: log_line, warn

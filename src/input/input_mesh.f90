@@ -137,8 +137,8 @@ contains
                   set%place, 'remove ENHAnced: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0)) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-                  //' has NURB interp, but its elements are bricks', &
-                  set%place, 'remove the record: it applies to an NPATch')
+                  //' has NURB interp, but elements of ELEMents or BLOCk use it', &
+                  set%place, 'remove the word: it applies only to an NPATch')
       end if
       if (allocated(error)) call draft%errors%add(error)
       if (found == 0) return
@@ -292,7 +292,7 @@ contains
       end if
       call fail(error, DECK_ERROR, 'a table of spline '//quoted(spec%name)//' refers to node ' &
                 //to_text(node)//', which is not defined', place, &
-                'the deck has nodes 1 to '//to_text(draft%nodes%top))
+                'the largest node number of the deck is '//to_text(draft%nodes%top))
       return
     end if
     b = body_index(mesh, name)

@@ -1,7 +1,7 @@
 !> Finds element faces that share nodes but not functions, such as a quadratic face and linear ones.
 !! Their displacements agree at the common nodes only, and stresses near such faces are wrong. If
-!! two such faces share only their corners, the other nodes are not held by anything, and the body
-!! is far too soft.
+!! two such faces share only their corners, nothing holds the other nodes, and the body is far too
+!! soft.
 module input_mismatch
   use base_error, only: place_t
   use base_kinds, only: i8
@@ -16,7 +16,7 @@ module input_mismatch
   private
   public :: warn_mismatch
 
-  integer, parameter :: MOST = 9 !! nodes of a face
+  integer, parameter :: MOST = 9 !! largest number of nodes of a face
 
   !> Faces of elements.
   type :: faces_t
@@ -63,7 +63,7 @@ contains
     end do
     if (hanging%n > 0) then
       call warn(text_of(mesh, faces, hanging)//' elements only at corners, so that ' &
-                //to_text(count(hangs))//' of their nodes hang', &
+                //to_text(count(hangs))//' nodes between these corners are not joined', &
                 place_of(draft, mesh, faces, hanging), 'the faces come apart between their ' &
                 //'corners: use elements of one degree, or bodies joined by CONTact with COHEsive')
     end if

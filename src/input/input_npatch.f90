@@ -46,7 +46,7 @@ contains
         if (i == 0) then
           call fail(error, DECK_ERROR, 'knot vector '//to_text(p%knot(d)) &
                     //' of the NPATch is not defined', p%place, &
-                    'define it with KNOTs: open id len k1 k2 ...')
+                    "define it with a record 'open id len k1 k2 ...' of KNOTs")
           return
         end if
         patch%dir(d)%knots = draft%knots(i)%u

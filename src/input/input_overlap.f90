@@ -21,7 +21,8 @@ module input_overlap
   private
   public :: warn_overlaps
 
-  !> A point is inside another body if its depth, relative to the larger of two faces, exceeds this.
+  !> A point is inside another body if its depth exceeds this fraction of the widths of both faces:
+  !! that of the point, and the nearest one of the other body.
   real(wp), parameter :: DEEP = 0.3_wp
   integer, parameter :: MOST_PAIRS = 5  !! largest number of pairs that are named
 

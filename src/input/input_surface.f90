@@ -177,7 +177,7 @@ contains
     end if
   end subroutine load_surface
 
-  !> Mark the outer faces that all elements have before TIE joins nodes.
+  !> Mark the outer faces of all elements, as they are before TIE joins nodes.
   subroutine mark_outer(mesh, outer)
     type(mesh_t), intent(in) :: mesh
     type(marks_t), allocatable, intent(out) :: outer(:)

@@ -61,7 +61,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: new(:)          !! (nnode)
-    real(wp), parameter :: VISIBLE = 0.05_wp !! distance of nodes, relative to that in an element
+    real(wp), parameter :: VISIBLE = 0.05_wp !! joined nodes: distance over element size
     real(wp) :: distance(mesh%nnode), edge(mesh%nnode), length
     integer :: a, b, e, i, n, worst
 
@@ -88,7 +88,7 @@ contains
     call warn('TIE joins nodes that are '//to_text(distance(worst), 3) &
               //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), &
               draft%tie(1)%place, 'the default tolerance is a fraction of the mesh extent; ' &
-              //'give a smaller one: TIE,,,,tolerance')
+              //"give a smaller one with 'TIE,,,,tolerance'")
   end subroutine warn_distant
 
   !> Replace tied nodes in elements, constraints and bodies, and update `used` of the mesh.
@@ -206,7 +206,7 @@ contains
     if (.not. fraction > 0.0_wp) fraction = TOLERANCE/sqrt(real(nnode, wp))
   end function tie_tolerance
 
-  !> The node in the lists of the grid that replaces node n of cell `at`; 0: there is none.
+  !> The listed node that replaces node n, which lies in cell `at`; 0: there is none.
   pure integer function partner(grid, tie, mesh, class, n, at) result(m)
     type(grid_t), intent(in) :: grid
     type(tie_entry_t), intent(in) :: tie

@@ -32,7 +32,7 @@ module input_touching
   integer, parameter :: NPOINT = 4          !! points of a face in each of its two directions
   integer, parameter :: MOST_STEPS = 20
   integer, parameter :: MOST_PAIRS = 5      !! largest number of pairs that are named
-  real(wp), parameter :: BORDER = 1.0e-6_wp !! a parameter this far beyond the border is inside
+  real(wp), parameter :: BORDER = 1.0e-6_wp !! a point this far beyond the border counts as inside
 
   !> All outer faces, and buckets of faces that are near each other.
   type :: skin_t
@@ -134,8 +134,8 @@ contains
                   //trim(mesh%block(s%block(e))%name)//' and ' &
                   //trim(mesh%block(s%block(f))%name)//', differ', &
                   place_of(draft, mesh, skin, pair), 'the bodies come apart between these nodes, ' &
-                  //'and the results are wrong: use equal elements, or CONTact with COHEsive ' &
-                  //'instead of TIE')
+                  //'and the results are wrong: use elements of one type, or CONTact with ' &
+                  //'COHEsive instead of TIE')
       end if
     end associate
   end subroutine warn_unlike
@@ -398,7 +398,7 @@ contains
   end subroutine find_pairs
 
   !> Find the face that touches a point of face e. There is none (f = 0) if one of the faces that
-  !! touch the point is joined to face e there.
+  !! touch the point is joined to face e there or is the other side of a contact with face e.
   subroutine find_face(skin, e, xi, x, area, f, gap, unlike)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: e
@@ -406,7 +406,7 @@ contains
     real(wp), intent(in) :: x(3), area(3) !! the point, and the outward normal there
     integer, intent(out) :: f
     real(wp), intent(out) :: gap          !! [L] negative: the point is behind the face
-    logical, intent(out) :: unlike        !! they have common nodes, but come apart at this point
+    logical, intent(out) :: unlike        !! faces e and f have common nodes, but come apart here
     real(wp) :: reach, g, eta(2)
     logical :: joined, apart
     integer :: i, m, other
@@ -467,8 +467,8 @@ contains
     end associate
   end subroutine compare
 
-  !> Find the gap between a point and a face, by Newton's method within the face. It is huge if the
-  !! closest point of the face is not opposite this point.
+  !> Find the gap between a point and a face, by Newton's method within the face. The gap is huge if
+  !! the closest point of the face is not opposite this point.
   subroutine measure(skin, f, x, area, gap, xi)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: f

@@ -19,13 +19,13 @@ module input_where
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
                              //'given by its two faces: 1-,3+'
   character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give a record for each'
-  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent / sqrt(nodes), as in
-  !! EBOUndary
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent divided by the square
+  !! root of the number of nodes, as in EBOUndary
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, relative to the
   !! mesh's extent, for squared distances
 
-  real(wp), parameter :: BEHIND = 0.7_wp !! cosine of the angle to a plane's normal at which a
-  !! node lies behind another one
+  real(wp), parameter :: BEHIND = 0.7_wp !! a node lies behind another one if the cosine of the
+  !! angle between the line through both and the normal of the plane exceeds this
 
   !> A place in the reference mesh, resolved after TIE. W_GROUP stands for any name that is not the
   !! name of a face; the body must then be a MESH or a SPLIne.
@@ -236,7 +236,7 @@ contains
     case (W_NODE)
       if (place%node < 1 .or. place%node > mesh%nnode) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' is not in the mesh', &
-                  place%place, 'the mesh has nodes 1 to '//to_text(mesh%nnode))
+                  place%place, 'the largest node number is '//to_text(mesh%nnode))
         return
       else if (.not. mesh%used(place%node)) then
         call fail(error, DECK_ERROR, 'node '//to_text(place%node)//' belongs to no element', &

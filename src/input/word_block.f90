@@ -56,12 +56,13 @@ contains
     logical :: more
     integer :: i
 
-    call check_count(record, 1, 1, 'BLOCk has no options; a record CARTesian r s t follows', error)
+    call check_count(record, 1, 1, "BLOCk has no options; a record 'CARTesian r s t' follows", &
+                     error)
     if (.not. allocated(error)) call next_data(draft, deck, line, more, error)
     if (allocated(error)) return
     if (.not. more) then
       call fail(error, DECK_ERROR, 'BLOCk has no records', record%place(1), &
-                'give CARTesian r s t, then the master nodes')
+                "give 'CARTesian r s t', then the master nodes")
       return
     end if
     call read_sizes(deck, line, spec, error)
@@ -84,12 +85,12 @@ contains
         if (.not. allocated(error)) call get_integer(deck, line, 2, spec%material, error)
       case default
         call get_integer(deck, line, 1, i, error)
-        if (allocated(error)) error%hint = 'write a master node as i x y z; other records are ' &
-                                           //'BRICk n and MATErial m'
+        if (allocated(error)) error%hint = "write a master node as 'i x y z'; other records are " &
+                                           //"'BRICk n' and 'MATErial m'"
         if (allocated(error)) return
         draft%in_set = i /= 0
         if (i == 0) exit
-        call check_count(line, 2, 4, 'write a master node as i x y z', error)
+        call check_count(line, 2, 4, "write a master node as 'i x y z'", error)
         if (allocated(error)) return
         if (i < 1 .or. i > 27) then
           call fail(error, DECK_ERROR, 'unknown master node '//to_text(i), line%place(1), &
@@ -221,7 +222,7 @@ contains
       if (.not. given(3*i + 8)) call fill_face(x(:, :, i, :))
       if (.not. given(9*i - 4)) call fill_face(x(:, :, :, i))
     end do
-    if (.not. given(14)) then ! FEAP: edges of two faces, middles of the others
+    if (.not. given(14)) then ! FEAP: edges of faces 3- and 3+, centres of the other four
       edges = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
               + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
               + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)

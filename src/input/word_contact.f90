@@ -98,14 +98,14 @@ contains
         call check_count(line, 1, 1, 'BALAnced', error)
         if (.not. allocated(error) .and. entry%contact%scheme /= 0) then
           call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
-                    'BALAnced alone stands for SCHEme BALAnced: give only one of the two records')
+                    "BALAnced alone means 'SCHEme BALAnced': give only one of the two records")
         end if
         entry%contact%scheme = BALANCED
         entry%scheme_place = line%place(1)
       case ('sche')
         if (entry%contact%scheme /= 0) then
           call fail(error, DECK_ERROR, 'both SCHEme and BALAnced are given', line%place(1), &
-                    'BALAnced alone stands for SCHEme BALAnced: give only one of the two records')
+                    "BALAnced alone means 'SCHEme BALAnced': give only one of the two records")
         else
           call read_scheme(line, entry, error)
         end if
@@ -157,8 +157,8 @@ contains
                   contact%place, 'give '//SURFACE_USAGE)
       else if (allocated(entry%bond_place%file) .and. .not. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'BONDed needs COHEsive, but this contact has none', &
-                  entry%bond_place, 'give the law of the bonds, for instance COHEsive ' &
-                  //'EXPOnential T0 g0, or remove BONDed')
+                  entry%bond_place, "give the law of the bonds, for instance 'COHEsive " &
+                  //"EXPOnential T0 g0', or remove BONDed")
       else if (contact%on_pair .and. .not. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'PAIR needs COHEsive, but this contact has none', &
                   entry%pair_place, 'only bonded points have a partner: give COHEsive, or remove ' &
@@ -171,7 +171,7 @@ contains
       else if (contact%ncell > 1 .and. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'REFIne cannot be used together with COHEsive', &
                   entry%refine_place, 'remove REFIne, and use more integration points for the ' &
-                  //'bonds, QUADrature n1 n2')
+                  //"bonds with 'QUADrature n1 n2'")
       end if
     end associate
   end subroutine check_complete
@@ -198,8 +198,8 @@ contains
     call check_count(line, i - 1, i - 1, SURFACE_USAGE, error)
   end subroutine read_surfaces
 
-  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]; with several records, points in all of their
-  !! regions are bonded.
+  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]. With several records, the points that lie in
+  !! all of their regions are bonded.
   subroutine read_bond(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line

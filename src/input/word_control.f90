@@ -13,8 +13,8 @@ module word_control
   !> Order of the control record; three further numbers give the sizes of FEAP's arrays and are not
   !! used.
   integer, parameter :: NUMNP = 1, NUMEL = 2, NUMMAT = 3, NDM = 4, NDF = 5, NEN = 6
-  character(*), parameter :: USAGE = 'write ndm = 3 and a blank record, or six numbers: numnp ' &
-                             //'numel nummat ndm ndf nen'
+  character(*), parameter :: USAGE = "write 'ndm = 3' and a blank record, or six numbers, " &
+                             //"'numnp numel nummat ndm ndf nen'"
 
 contains
 

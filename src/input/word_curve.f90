@@ -251,7 +251,7 @@ contains
     integer :: w
 
     usage = 'CONTact name side '
-    call check_count(line, 4, 10, 'write, for instance, '//usage//'FORCe direction', error)
+    call check_count(line, 4, 10, "write, for instance, '"//usage//"FORCe direction'", error)
     if (.not. allocated(error)) call get_integer(deck, line, 3, column%quantity%side, error)
     if (allocated(error)) return
     column%contact = line%text(2)

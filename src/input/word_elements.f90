@@ -106,7 +106,9 @@ contains
     end if
     call check_number('element', e%number, record%place(1), error)
     if (allocated(error)) return
-    usage = 'write an element as n g m and its '//node_counts(counts)//' nodes'
+    usage = "write an element as 'n g m' and its "//node_counts(counts)//' nodes'
+    if (old) usage = "write an element as 'n m', its "//node_counts(counts)//' nodes and, if it ' &
+                     //'is needed, the increment g'
     call collect_numbers(draft, deck, record, merge(2, 3, old) + minval(counts), &
                          4 + maxval(counts), usage, field, error)
     if (allocated(error)) return
@@ -120,7 +122,7 @@ contains
       else if (any(counts == n - 1) .and. nen == 0) then
         call fail(error, DECK_ERROR, 'the record may mean '//to_text(n)//' nodes, or ' &
                   //to_text(n - 1)//' nodes and an increment', record%place(1), &
-                  'give nen in the control record; or remove OLD, and write n g m and the nodes')
+                  "give nen in the control record, or remove OLD and write 'n g m' and the nodes")
         return
       end if
       field = field(3:n + 2)

@@ -32,7 +32,7 @@ contains
     type(record_t) :: line
     integer :: n, step, last, last_step, code(3), i
 
-    call check_count(record, 1, 1, 'BOUNdary has no options; records n g code1 code2 code3 ' &
+    call check_count(record, 1, 1, "BOUNdary has no options; records 'n g code1 code2 code3' " &
                      //'follow', error)
     if (allocated(error)) return
     call note_order(draft, C_FIXED)
@@ -41,7 +41,8 @@ contains
     do
       last = n
       last_step = step
-      call read_head(draft, deck, 'write restraints as n g code1 code2 code3', line, n, step, error)
+      call read_head(draft, deck, "write restraints as 'n g code1 code2 code3'", line, n, step, &
+                     error)
       if (allocated(error) .or. n == 0) return
       call get_numbers(deck, line, 3, code, error, 0)
       if (allocated(error)) return
@@ -67,7 +68,7 @@ contains
     type(record_t) :: line
     integer :: n, step, last, last_step, number(3), i
 
-    call check_count(record, 1, 1, 'FPROportional has no options; records n g k1 k2 k3 follow', &
+    call check_count(record, 1, 1, "FPROportional has no options; records 'n g k1 k2 k3' follow", &
                      error)
     if (allocated(error)) return
     call note_order(draft, C_TABLE)
@@ -76,7 +77,7 @@ contains
     do
       last = n
       last_step = step
-      call read_head(draft, deck, 'write load numbers as n g k1 k2 k3', line, n, step, error)
+      call read_head(draft, deck, "write load numbers as 'n g k1 k2 k3'", line, n, step, error)
       if (allocated(error) .or. n == 0) return
       call get_numbers(deck, line, 3, number, error, 0)
       if (allocated(error)) return
@@ -107,8 +108,8 @@ contains
     real(wp) :: x(3)
 
     is_force = record%key(1) == 'forc'
-    fields = 'n g u1 u2 u3'
-    if (is_force) fields = 'n g f1 f2 f3'
+    fields = "'n g u1 u2 u3'"
+    if (is_force) fields = "'n g f1 f2 f3'"
     call check_count(record, 1, 1, record%text(1)//' has no options; records '//fields//' follow', &
                      error)
     if (allocated(error)) return

@@ -33,8 +33,8 @@ contains
     real(wp) :: x(3), dx(3), w
 
     weighted = record%key(1) == 'nurb'
-    fields = 'n g x y z'
-    if (weighted) fields = fields//' w'
+    fields = "'n g x y z'"
+    if (weighted) fields = "'n g x y z w'"
     call check_count(record, 1, 1, record%text(1)//' has no options; records '//fields//' follow', &
                      error)
     if (allocated(error)) return

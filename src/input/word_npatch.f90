@@ -39,7 +39,7 @@ contains
     logical :: more
     integer :: n, i, at
 
-    call check_count(record, 1, 1, 'KNOTs has no options; records '//USAGE//' follow', error)
+    call check_count(record, 1, 1, "KNOTs has no options; records '"//USAGE//"' follow", error)
     if (allocated(error)) return
     do
       call next_data(draft, deck, line, more, error)
@@ -106,7 +106,7 @@ contains
     logical :: more
     integer :: d, n
 
-    call check_count(record, 1, 1, 'NPATch has no options; a record '//USAGE//' follows', error)
+    call check_count(record, 1, 1, "NPATch has no options; a record '"//USAGE//"' follows", error)
     if (allocated(error)) return
     do
       call next_data(draft, deck, line, more, error)

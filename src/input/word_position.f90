@@ -226,9 +226,9 @@ contains
 
     has_line = .false.
     r = request
-    fields = 'i x y z p'
+    fields = "'i x y z p'"
     if (r%word == R_CBOU) then
-      fields = 'i x y z'
+      fields = "'i x y z'"
       call check_count(line, 1, 4, 'SURFace code1 code2 code3', error)
       if (.not. allocated(error)) call get_values(deck, line, 2, r, error)
     else
@@ -252,7 +252,7 @@ contains
       if (i < 1 .or. i > 9) then
         call fail(error, DECK_ERROR, 'unknown point '//to_text(i)//' of a surface', &
                   line%place(1), 'points 1 to 4 are the corners, 5 to 8 the middles of the ' &
-                  //'edges, 9 the centre')
+                  //'edges, and 9 is the centre')
         return
       end if
       call get_numbers(deck, line, 2, r%surface(:, i), error, 0.0_wp)

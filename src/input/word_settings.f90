@@ -20,8 +20,8 @@ contains
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
 
-    call check_count(record, 1, 1, 'PARAmeters has no options; records name = expression follow', &
-                     error)
+    call check_count(record, 1, 1, &
+                     "PARAmeters has no options; records 'name = expression' follow", error)
     if (allocated(error)) return
     call read_parameters(deck, draft%row%name, draft%closed_line, error)
     if (.not. allocated(error)) draft%in_set = .false.
@@ -44,8 +44,8 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: USAGE = 'write TIE, or TIE,,direction,coordinate, or ' &
-                               //'TIE,NODE,n1,n2, or TIE,MATErial,m1,m2'
+    character(*), parameter :: USAGE = "write 'TIE', 'TIE,,direction,coordinate', " &
+                               //"'TIE,NODE,n1,n2' or 'TIE,MATErial,m1,m2'"
     type(tie_entry_t) :: t
 
     call check_count(record, 1, 5, USAGE, error)
