@@ -40,7 +40,7 @@ module contact_cells
   !! needed more than MANY further points for ACCURACY, as on strongly deformed surfaces, it has
   !! none, because they would cost more than the accuracy is worth.
   integer, parameter :: MANY = 5
-  integer, parameter :: MOST_ORDER = 12        !! Gauss points of a piece in one direction
+  integer, parameter :: MOST_ORDER = 12        !! most Gauss points of a piece in one direction
   integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
 
   !> Gauss points of every order, and the functions that bend the edges of cells, evaluated at these

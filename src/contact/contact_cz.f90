@@ -16,7 +16,7 @@ module contact_cz
   private
   public :: describe, irreversible
 
-  real(wp), parameter :: RELEASED_AT = 8.0_wp !! opening over g0 that leaves 0.7 % of T0
+  real(wp), parameter :: RELEASED_AT = 8.0_wp !! opening, divided by g0, with 0.7 % of T0 left
 
 contains
 

@@ -82,7 +82,8 @@ contains
     call sort_facets(facets)
   end subroutine divide_surface
 
-  !> Corners and normal of the part of an element between two parameters.
+  !> Corners, normal and unevenness of the part of an element between the parameters `from` and
+  !! `to`.
   pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

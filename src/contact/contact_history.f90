@@ -234,9 +234,9 @@ contains
     end do
   end subroutine accept_slides
 
-  !> Move the sliding point from the projection to the position from which the tangential vector to
-  !! the point is `elastic`, so that the traction stays the same if the load stays the same. On a
-  !! curved surface, a single step along the tangents would miss that position.
+  !> Move the sliding point from the projection so that the tangential vector from it to the point
+  !! is `elastic`. The traction then stays the same if the load stays the same. On a curved surface,
+  !! a single step along the tangents would not be exact.
   pure subroutine trail_behind(other, shape, x, foot, elastic, elem, xi)
     type(surface_t), intent(in) :: other
     type(shape_t), intent(in) :: shape

@@ -1,6 +1,6 @@
 !> Contacts that have not closed in any step of a run: their smallest gap, and a note at the end.
 !!
-!! Such a contact may be a stop that nothing should reach, so this is a note and not a warning,
+!! Such a contact may be a stop that nothing should reach, so a note is issued instead of a warning,
 !! unless corners of elements penetrate while no integration point does. A contact with bonds is
 !! left out, because its faces are meant to separate.
 module contact_missed

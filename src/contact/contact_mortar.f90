@@ -387,7 +387,7 @@ contains
       mortar%cuts = 0
     end if
     mortar%x_cut = x
-    mortar%travel = 0.0_wp                   ! no point has been projected
+    mortar%travel = 0.0_wp                   ! motion is counted from this cut
     if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a position is not finite
     do k = 1, merge(1, 2, contact%self)
       call divide_surface(contact%side(k), shape(k), facets(k))

@@ -25,7 +25,7 @@ module contact_pair
   type :: surface_basis_t
     integer :: degree(2) = 1
     integer :: nsf = 0                       !! functions
-    real(wp), allocatable :: c(:, :)         !! (nsf, nb) extraction, nb = (degree+1)(degree+1)
+    real(wp), allocatable :: c(:, :)         !! (nsf, nb) extraction, nb = product(degree + 1)
     real(wp), allocatable :: shp(:, :) !! (nsf, nq) N at the integration points, without weights
     real(wp), allocatable :: dshp(:, :, :)   !! (2, nsf, nq)
   end type surface_basis_t
@@ -62,7 +62,7 @@ module contact_pair
     !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
     logical, allocatable :: point(:, :)
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
-    integer, allocatable :: ring_first(:)    !! (nvertex+1) first element around each vertex
+    integer, allocatable :: ring_first(:) !! (nvertex+1) position in ring_elem for each vertex
     integer, allocatable :: ring_elem(:)     !! elements around the vertices
     integer, allocatable :: ring_corner(:)   !! corners of these elements that lie at the vertex
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
@@ -70,7 +70,7 @@ module contact_pair
     !! surface is negative somewhere, the vertices with bilinear functions (`hats`).
     integer :: ncontrol = 0
     logical :: hats = .false.
-    integer, allocatable :: control_first(:) !! (nelem+1) first control point of each element
+    integer, allocatable :: control_first(:) !! (nelem+1) position in `control` for each element
     integer, allocatable :: control(:)       !! control points of the elements
   end type surface_t
 
@@ -159,7 +159,7 @@ module contact_pair
     real(wp), allocatable :: bond_xi(:, :)   !! (2, np)
     real(wp), allocatable :: area0(:)        !! (np) reference area of the point [L^2]
     real(wp), allocatable :: past(:, :)      !! (MAX_PAST, np) history of the cohesive law
-    real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) past at the start of the step
+    real(wp), allocatable :: past_step(:, :) !! (MAX_PAST, np) `past` at the start of the step
     real(wp), allocatable :: opening(:)      !! (np) current distance to the partner [L]
     real(wp), allocatable :: opening_step(:) !! (np) opening at the start of the step
     real(wp), allocatable :: energy(:, :) !! (3, np) elastic, damage, viscosity; per area [F/L]
@@ -209,7 +209,7 @@ module contact_pair
     !> At the end of the previous step: energy of the pressure and elastic energy of friction at the
     !! points of each side, and the work of all slip so far [F L].
     real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
-    !> MORTAR: force on each side and its moment about the origin, of the last assembly [F], [F L]
+    !> MORTAR: force on each side and its moment about the origin, from the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step
     !> MORTAR: for each side that is integrated, the current area in contact and the parts of it

@@ -11,7 +11,7 @@
 !!   force. This is 2 b for Hertz's pressure on a strip of width 2 b, and 1.8 a on a circle of
 !!   radius a. The smallest moment is that along the normal of a flat region.
 !!
-!! Several regions far apart and long curved ones are therefore not found.
+!! Several regions far apart and long curved ones are therefore not reported.
 module contact_patch
   use base_kinds, only: wp
   use base_log, only: warn
@@ -27,7 +27,7 @@ module contact_patch
 
   real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! largest touching part of an element's facing area
   real(wp), parameter :: SMALL = 0.25_wp      !! width of a small region, relative to an element
-  real(wp), parameter :: WEAK = 0.05_wp       !! force that does not matter, relative to the largest
+  real(wp), parameter :: WEAK = 0.05_wp       !! a smaller fraction of the largest force is ignored
 
 contains
 

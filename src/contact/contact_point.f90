@@ -94,7 +94,7 @@ contains
     integer :: i
 
     associate (n => point%n)
-      y = point%x - point%xs             ! friction: d = (1 - n n)(x - x_s)
+      y = point%x - point%xs             ! friction: d = (I - n n)(x - x_s)
       yn = dot_product(y, n)
       d = y - yn*n
       call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
@@ -120,8 +120,8 @@ contains
     end associate
   end subroutine add_friction
 
-  !> Secant of a frictional traction, -|t|/|d| 1. In contrast to the tangent, it has a stiffness
-  !! along the slip and does not vary with the pressure.
+  !> Secant of a frictional traction, -(|t|/|d|) I with the identity I. In contrast to the tangent,
+  !! it has a stiffness along the slip and does not vary with the pressure.
   pure subroutine secant_of_friction(d, t, dtdd, dtdp)
     real(wp), intent(in) :: d(3), t(3)     !! [L], [F/L^2]
     real(wp), intent(out) :: dtdd(3, 3), dtdp(3)

@@ -22,15 +22,15 @@ module contact_report
   private
   public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
 
-  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces that causes a warning
+  real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces above which to warn
   !> Energy of penetration, divided by the work of supports and loads, above which this work cannot
   !! have supplied the energy, even if its sum over the steps is inaccurate.
   real(wp), parameter :: WITHOUT_WORK = 2.0_wp
-  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration over element size that causes a warning
-  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip over motion that causes a warning
-  real(wp), parameter :: SOFT = 0.2_wp !! share of the work in penetration that causes a warning
-  real(wp), parameter :: MOST = 0.5_wp        !! share of the bonds that break in one step
-  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible, relative to the largest force so far
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration over element size above which to warn
+  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip over motion above which to warn
+  real(wp), parameter :: SOFT = 0.2_wp !! share of the work in penetration above which to warn
+  real(wp), parameter :: MOST = 0.5_wp !! share of bonds broken in one step above which to warn
+  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible fraction of the largest force so far
 
 contains
 

@@ -31,7 +31,7 @@ module contact_resultant
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
     real(wp) :: area = 0.0_wp            !! current area in contact [L^2]
     real(wp) :: penetration = 0.0_wp     !! largest penetration of points and corners [L]
-    integer :: npoint = 0, nclosed = 0   !! points, and how many of them are in contact
+    integer :: npoint = 0, nclosed = 0   !! number of points, and of those in contact
     integer :: nstick = 0, nslip = 0
     !> The total of which `stick` and `slip` are parts: the number of points in contact or, with
     !! MORTar, the area in contact.

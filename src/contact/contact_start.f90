@@ -28,7 +28,7 @@ module contact_start
   !> Elements count as nearest if their gaps exceed the smallest one by at most this fraction of the
   !! width of the element with the smallest gap.
   real(wp), parameter :: NEAREST = 0.01_wp
-  real(wp), parameter :: UNEQUAL = 0.1_wp     !! difference of the bonded areas for a warning
+  real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
 
   !> Position of two surfaces relative to each other at the start.
   type :: start_t

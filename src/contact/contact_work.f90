@@ -63,7 +63,7 @@ contains
     mk = maxval(contact%side(k)%basis%nsf)
     ml = maxval(contact%side(3 - k)%basis%nsf)
     m = max(mk, ml)
-    n = 3*contact%nq                   ! bond, projection and sliding point
+    n = 3*contact%nq ! each point has at most a bond, a projection and a sliding point
     if (contact%scheme == MORTAR) n = 8 ! see reserve_partners
     allocate (work%partner(n), work%r(3, mk), work%kk(3*mk, 3*mk))
     allocate (work%kl(3*mk, 3*ml, n), work%shp(m), work%dshp(2, m), work%own(m))
@@ -325,7 +325,7 @@ contains
     real(wp), intent(in) :: t(3)                 !! traction on the side of the point [F/L^2]
     real(wp), intent(in) :: da                   !! area [L^2], as in add_own
     type(work_t), intent(inout) :: work
-    type(foot_t), intent(in), optional :: foot   !! projection where the force acts, if it moves
+    type(foot_t), intent(in), optional :: foot   !! projection where it acts; absent: fixed xi
     real(wp), intent(in), optional :: x(3)       !! the point [L]
     real(wp) :: h(3, 2), c(2, 2), g(3), q(3, 3, size(work%shp)), slope(size(work%shp))
     integer :: a, b, n

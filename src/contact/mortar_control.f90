@@ -86,7 +86,7 @@ contains
     end associate
   end subroutine find_pressures
 
-  !> Is the gap not negative, and zero up to rounding?
+  !> Is the gap zero up to rounding, and not negative?
   pure logical function touching(gap, width)
     real(wp), intent(in) :: gap, width
 

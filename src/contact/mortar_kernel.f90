@@ -27,7 +27,7 @@ module mortar_kernel
 
 contains
 
-  !> Forces of element e and their derivatives where the pressures of control points are fixed.
+  !> Find the forces of element e and their derivatives at fixed pressures of the control points.
   pure subroutine form_cells(contact, k, e, x, dt_first, slides, tangent, side, kernel, work)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, e

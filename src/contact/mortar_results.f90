@@ -196,7 +196,7 @@ contains
     inside = .false.
     flat = collapsed_side(own, e)
     u = to_chart(flat, xi)
-    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! of the chart over that of e
+    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! in the chart over that of element e
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
@@ -209,8 +209,8 @@ contains
     if (.not. inside) j = 0
   end function nearest_closed
 
-  !> Find the projection of the point of an element's cells that is nearest to xi, or else the facet
-  !! that this point faces. Element 0 means that the element faces nothing.
+  !> Find the projection of that point of the cells of element e that is nearest to xi, or else the
+  !! facet that this point faces. The result foot%elem = 0 means that element e faces nothing.
   pure subroutine find_faced(cells, e, xi, foot)
     type(cells_t), intent(in) :: cells
     integer, intent(in) :: e

@@ -43,8 +43,8 @@ contains
   end subroutine edge_point
 
   !> Find the T-junctions among edges without a neighbour, and set surface%part, neighbour and edge
-  !! there. An edge that its parts do not cover completely stays on the outer boundary. Edges are
-  !! numbered 4(e-1)+k.
+  !! there. An edge that its parts do not cover completely stays on the outer boundary. Edge k of
+  !! element e has the number 4(e-1)+k.
   subroutine match_t_junctions(xr, edge, key, near, surface)
     real(wp), intent(in) :: xr(:, :)
     integer, intent(in) :: edge(:)       !! edges without a neighbour

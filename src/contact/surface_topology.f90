@@ -104,7 +104,7 @@ contains
     end do
   end subroutine find_edges
 
-  !> Find keys that are equal for edges whose nodes depend on the same nodes.
+  !> Find keys that are equal for edges whose nodes depend on the same master nodes.
   pure function master_keys(edges, edge, hanging, nnode) result(key)
     type(edges_t), intent(in) :: edges
     integer, intent(in) :: edge(:)
