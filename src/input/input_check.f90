@@ -24,7 +24,8 @@ module input_check
   private
   public :: check_references, check_size, check_jacobians
 
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! a Jacobian below this fraction of another is zero
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! a Jacobian below this fraction of the largest is
+  !! zero
 
 contains
 
@@ -409,8 +410,8 @@ contains
     end do
   end subroutine find_ends
 
-  !> Get the parent derivatives of the functions at the centre of hexahedra; not allocated for
-  !! other elements.
+  !> Get the derivatives of the functions with respect to the parent coordinates at the centre of
+  !! hexahedra; not allocated for other elements.
   subroutine derivatives_at_centre(block, dshp)
     type(block_t), intent(in) :: block
     real(wp), allocatable, intent(out) :: dshp(:, :) !! (3, nen)

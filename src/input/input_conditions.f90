@@ -25,8 +25,8 @@ module input_conditions
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
   !! are selected (FEAP), relative to the extent of the mesh
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, but for squared
-  !! distances
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, where squared distances are
+  !! compared
 
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements that differ by less are equal [-]
 

@@ -13,7 +13,7 @@ module input_constraint
   public :: close_constraints, release_slaves
 
   real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! largest distance of a slave from the place that its
-  !! masters give it, relative to their extent
+  !! masters give it, relative to the extent of the masters
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients or of a
   !! prescribed value
 

@@ -16,9 +16,9 @@ module input_doubts
   public :: check_twice, warn_twisted, warn_locking
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
-  !> Elements cause a warning if Poisson's ratio is at least LOCKING_FROM (linear elements, because
-  !! they lock), SOFT_FROM (quadratic elements and enhanced layers, because their errors are 10 % or
-  !! more) or STIFF_FROM (Q1E9, because its errors are 10 % or more).
+  !> Smallest Poisson's ratios that cause a warning: LOCKING_FROM for linear elements, which lock;
+  !! SOFT_FROM for quadratic elements and enhanced layers, and STIFF_FROM for Q1E9, because their
+  !! errors are then 10 % or more.
   real(wp), parameter :: LOCKING_FROM = 0.49_wp, SOFT_FROM = 0.498_wp, STIFF_FROM = 0.4995_wp
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp

@@ -269,8 +269,8 @@ contains
       draft%has_pending = .true.
       draft%pending = record
       name = trim(draft%row(draft%closed)%name)
-      call fail(error, DECK_ERROR, 'expected a record of '//name//', which begins in line ' &
-                //to_text(draft%closed_place%line)//', found '//quoted(record%text(1)), &
+      call fail(error, DECK_ERROR, 'expected a record of '//name//' (begun in line ' &
+                //to_text(draft%closed_place%line)//'), found '//quoted(record%text(1)), &
                 record%place(1), 'close '//name//' with a blank record')
     end if
   end subroutine next_in_set

@@ -74,7 +74,7 @@ contains
     end associate
   end function differ
 
-  !> The functions of the nodes of a face at a point of it, with their weights.
+  !> The functions of the nodes of a face at one of its points, with their weights.
   pure function functions_at(s, e, xi) result(n)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: e

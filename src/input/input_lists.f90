@@ -17,7 +17,7 @@ module input_lists
     integer :: top = 0                       !! largest number with a position
     real(wp), allocatable :: x(:, :)         !! (3, n) [L]
     logical, allocatable :: given(:)         !! (n)
-    real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: another node
+    real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: no control point
     integer, allocatable :: code(:, :)       !! (3, n) BOUN
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
     logical, allocatable :: forced(:)        !! (n) named in a record of FORC, not generated

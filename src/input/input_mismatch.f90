@@ -77,7 +77,7 @@ contains
 
   !> Count a face that does not match.
   pure subroutine count_face(f, g, mismatch)
-    integer, intent(in) :: f, g !! the face, and its part
+    integer, intent(in) :: f, g !! the larger face, and one that is a part of it
     type(mismatch_t), intent(inout) :: mismatch
 
     mismatch%n = mismatch%n + 1

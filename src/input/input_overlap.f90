@@ -3,8 +3,8 @@
 !!
 !! Points of the outer elements of one body are projected onto the outer faces of the other one.
 !! Flat elements of curved surfaces that just touch overlap a little, so small overlaps are ignored.
-!! Overlaps between two groups of several joined bodies are ignored too, because a deck may contain
-!! several independent models.
+!! Overlaps between two groups that each consist of several joined bodies are ignored too, because a
+!! deck may contain several independent models.
 module input_overlap
   use base_kinds, only: wp
   use base_log, only: warn

@@ -63,7 +63,7 @@ contains
     end if
   end subroutine check_listed
 
-  !> Position in a list of a word that has the same first four letters; 0: there is none.
+  !> Position in a list of the word whose first four letters are `key`; 0: there is none.
   pure integer function word_index(words, key) result(w)
     character(*), intent(in) :: words(:)
     character(4), intent(in) :: key

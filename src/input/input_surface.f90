@@ -23,7 +23,7 @@ module input_surface
   public :: mark_surface, load_surface
 
   !> FEAP's gap is the larger of two lengths: BOX_GAP times the sum of the extents of the surface,
-  !! and SIZE_GAP times its largest extent over nodes^(1/3).
+  !! and SIZE_GAP times its largest extent divided by the cube root of the number of nodes.
   real(wp), parameter :: BOX_GAP = 1.0e-4_wp
   real(wp), parameter :: SIZE_GAP = 1.0e-3_wp
   real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary that still counts as

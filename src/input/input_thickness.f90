@@ -15,8 +15,8 @@ module input_thickness
   public :: body_thickness
 
   integer, parameter :: NSAMPLE = 17         !! sampling points in each direction of a face
-  real(wp), parameter :: NOTHING = 1.0e-6_wp !! faces closer than this fraction of the body's width
-  !! meet [-]
+  real(wp), parameter :: NOTHING = 1.0e-6_wp !! faces meet where their distance is below this
+  !! fraction of the largest one
 
 contains
 

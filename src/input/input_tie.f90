@@ -1,7 +1,7 @@
 !> TIE: nodes at the same position become one node, the one with the lowest number.
 !!
-!! The tolerance is FEAP's: in each direction, 1e-3 of the mesh's extent over the square root of the
-!! number of nodes.
+!! The tolerance is FEAP's: in each direction, 1e-3 times the extent of the mesh, divided by the
+!! square root of the number of nodes.
 !!
 !! Source: FEAPpv's manual
 module input_tie
@@ -61,7 +61,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: new(:)          !! (nnode)
-    real(wp), parameter :: VISIBLE = 0.05_wp !! joined nodes: distance over element size
+    real(wp), parameter :: VISIBLE = 0.05_wp !! distance over element size above which to warn
     real(wp) :: distance(mesh%nnode), edge(mesh%nnode), length
     integer :: a, b, e, i, n, worst
 
@@ -114,7 +114,7 @@ contains
       end if
     end associate
     do b = 1, size(mesh%body)
-      associate (body => mesh%body(b)) ! each node once, with the faces of all tied nodes
+      associate (body => mesh%body(b)) ! keep each node once, with the faces of all nodes tied to it
         if (allocated(body%group)) then
           do i = 1, size(body%group)
             body%group(i)%node = unique(new(body%group(i)%node))

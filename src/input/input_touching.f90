@@ -25,8 +25,8 @@ module input_touching
   !> Faces touch if their distance, relative to the smaller face, is less than this.
   real(wp), parameter :: TOUCHING = 1.0e-6_wp
   !> Where two curved surfaces that touch consist of flat elements, the elements overlap in some
-  !! places and are apart in others, by up to this fraction of the width of a face, but by no more
-  !! than this fraction of the depth of an element.
+  !! places and are apart in others. The distances are at most CURVED times the width of a face and
+  !! at most SHALLOW times the depth of an element.
   real(wp), parameter :: CURVED = 0.05_wp, SHALLOW = 0.2_wp
   real(wp), parameter :: OPPOSITE = -0.7_wp !! largest cosine of the angle between outward normals
   integer, parameter :: NPOINT = 4          !! points of a face in each of its two directions
@@ -44,7 +44,7 @@ module input_touching
     integer, allocatable :: rigid_body(:) !! (nnode) the rigid body of each node; 0: none
     real(wp), allocatable :: width(:)  !! (nelem) largest extent of a face [L]
     real(wp), allocatable :: depth(:)  !! (nelem) depth of the element behind a face [L]
-    integer, allocatable :: side(:, :) !! (nelem, ncontact) bits 0 and 1: sides of the face
+    integer, allocatable :: side(:, :) !! (nelem, ncontact) bit k-1: the face is on side k
     real(wp) :: low(3) = 0.0_wp, cell = 1.0_wp !! corner and width of the buckets [L]
     integer :: n(3) = 1                !! number of buckets
     integer, allocatable :: first(:)   !! first face of each bucket

@@ -95,7 +95,7 @@ contains
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
                   //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face ' &
                   //'stay untied', mesh%body(b)%place, 'the meshes do not match there, and the ' &
-                  //'bodies come apart: use equal meshes, or CONTact with COHEsive')
+                  //'bodies come apart: use meshes that match, or CONTact with COHEsive')
       end do
     end do
   end subroutine warn_untied

@@ -18,7 +18,8 @@ module input_where
 
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
                              //'given by its two faces: 1-,3+'
-  character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give a record for each'
+  character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give one record for ' &
+                             //'each face'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent divided by the square
   !! root of the number of nodes, as in EBOUndary
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, relative to the
@@ -160,7 +161,7 @@ contains
       direction = '123' (index('xyz', direction):index('xyz', direction))
       hint = 'faces belong to the directions 1, 2 and 3 of a patch'
     else
-      hint = 'a face is a direction and a sign'
+      hint = 'a face is written as a direction and a sign'
     end if
     if (scan(text, '+') > 0 .eqv. scan(text, '-') > 0) then
       hint = hint//': '//direction//'- or '//direction//'+'

@@ -154,7 +154,7 @@ contains
     associate (contact => entry%contact)
       if (entry%at(1)%type == 0) then
         call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has no SURFaces', &
-                  contact%place, 'give '//SURFACE_USAGE)
+                  contact%place, "give '"//SURFACE_USAGE//"'")
       else if (allocated(entry%bond_place%file) .and. .not. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'BONDed needs COHEsive, but this contact has none', &
                   entry%bond_place, "give the law of the bonds, for instance 'COHEsive " &

@@ -108,7 +108,7 @@ contains
           if (.not. allocated(error) .and. contact%taper > 1.0_wp) then
             call fail(error, DECK_ERROR, 'the width of BORDer must be at most 1, found ' &
                       //to_text(contact%taper), line%place(i), &
-                      'in BORDer w, w is a fraction of the width of an element')
+                      "w of 'BORDer w' is a fraction of the width of an element")
           end if
         case default
           return

@@ -31,10 +31,10 @@ contains
     if (allocated(error)) return
     if (record%kind == RECORD_END) then
       call fail(error, DECK_ERROR, 'the deck has no records', record%place(1), &
-                'the first record of a deck is FEAP ** title')
+                "the first record of a deck is 'FEAP ** title'")
     else if (record%key(1) /= 'feap') then
       call fail(error, DECK_ERROR, 'expected FEAP, found '//quoted(record%text(1)), &
-                record%place(1), 'the first record of a deck is FEAP ** title')
+                record%place(1), "the first record of a deck is 'FEAP ** title'")
     else
       at = record%place(1)
       first = at%column + 4

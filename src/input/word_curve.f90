@@ -86,7 +86,7 @@ contains
     curve%place = record%place(2)
     if (.not. fits_name(curve%name, LONGEST)) then
       call fail(error, DECK_ERROR, 'a curve cannot be named '//quoted(curve%name), curve%place, &
-                'its file is named after it: use up to '//to_text(LONGEST) &
+                'the file of a curve has its name: use up to '//to_text(LONGEST) &
                 //' letters, digits, _ and -')
       return
     else if (lower(curve%name) == 'tplot') then

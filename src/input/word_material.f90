@@ -183,7 +183,7 @@ contains
     first = 3
     if (line%key(2) == 'heat') then
       call fail(error, DECK_ERROR, 'expected BODY FORCe, found a heat source, BODY HEAT', &
-                line%place(2), 'heat flow is not available: write BODY FORCe b1 b2 b3')
+                line%place(2), "heat flow is not available: write 'BODY FORCe b1 b2 b3'")
       return
     end if
     if (.not. (line%is_empty(2) .or. line%key(2) == 'forc' .or. line%n >= 5)) first = 2

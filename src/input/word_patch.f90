@@ -124,7 +124,7 @@ contains
                   'known types: '//word_list(TYPES, ' '))
       else if (any(spec%nelem < 1)) then
         call fail(error, DECK_ERROR, name//' has no ELEMents', spec%place, &
-                  'give ELEMents n1 n2 n3, or KNOTs in each direction')
+                  "give 'ELEMents n1 n2 n3', or KNOTs in each direction")
       else if (spec%type /= 'RIGID') then
         if (.not. has_material) call fail(error, DECK_ERROR, name//' has no MATErial', &
                                           spec%place, 'give MATErial m')

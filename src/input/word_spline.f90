@@ -139,7 +139,7 @@ contains
                                    spec%place, 'remove it: a rigid surface does not deform')
       else if (.not. spec%spline%has_layer) then
         call fail(error, DECK_ERROR, name//' has no LAYEr', spec%place, &
-                  'give LAYEr path, or TYPE RIGId for a rigid surface')
+                  "give 'LAYEr path', or 'TYPE RIGId' for a rigid surface")
       else if (.not. allocated(patch%material_place%file)) then
         call fail(error, DECK_ERROR, name//' has no MATErial', spec%place, 'give MATErial m')
       else if (spec%spline%reverse) then
