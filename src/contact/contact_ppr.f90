@@ -9,7 +9,8 @@
 !!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
 !! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
 !!          Park and Paulino 2012, Eng. Fract. Mech. 93, 239-262. Unloading is linear to the origin
-!!          from the largest openings of both modes (coupled, so that damage never heals)
+!!          from the largest openings of both modes, on which both secants depend, so that damage
+!!          never heals
 module contact_ppr
   use base_kinds, only: wp
   use contact_secant, only: pull_by_secants, MODES

@@ -4,9 +4,10 @@
 !! The tractions of side k are those that act on side k: a body that is pressed down onto another
 !! one is pushed up, and a negative z force acts on the other body. Force and moment are the
 !! resultants of the nodal forces of the side. If the points of the other side load it too (with
-!! BALAnced, or if it is rigid), their forces act at their projections. The moments of the two sides
-!! then differ by the forces along the surface (friction, BORDer) times the penetration. A rigid
-!! side has no points of its own: areas and numbers of points are those of the other side.
+!! BALAnced, or if it is rigid), their forces act at their projections and partners. The moments of
+!! the two sides then differ by the forces along the surface (friction, BORDer) times the
+!! penetration. A rigid side has no points of its own: areas and numbers of points are those of the
+!! other side.
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions

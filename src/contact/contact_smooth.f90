@@ -30,7 +30,7 @@ module contact_smooth
     real(wp), allocatable :: traction(:, :) !! (3, n) traction on this side [F/L^2]
     real(wp), allocatable :: friction(:, :) !! (3, n) the frictional part of the traction [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
-    real(wp), allocatable :: slip(:, :)     !! (3, n) elastic part of the slip [L]
+    real(wp), allocatable :: slip(:, :)     !! (3, n) elastic tangential displacement [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
     real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
   end type smooth_t
@@ -172,9 +172,9 @@ contains
     end do
   end subroutine add_point
 
-  !> Friction at a point. Friction acts along the elastic part of the slip, and the pressure acts
-  !! perpendicular to it. If the elastic part is only rounding error, its direction is arbitrary.
-  !! Friction is therefore limited to the part of t that is not pressure.
+  !> Friction at a point. Friction acts along the elastic part of the tangential displacement, and
+  !! the pressure acts perpendicular to it. If the elastic part is only rounding error, its
+  !! direction is arbitrary. Friction is therefore limited to the part of t that is not pressure.
   pure function friction_of(t, p, elastic) result(friction)
     real(wp), intent(in) :: t(3), p, elastic(3)
     real(wp) :: friction(3)

@@ -47,8 +47,8 @@ contains
     end do
   end subroutine place_surfaces
 
-  !> Sample a surface that has moved, and sort the samples into a grid whose cells are about as wide
-  !! as the distance between samples.
+  !> Sample a surface that has moved, and sort the samples into a grid whose cells are about
+  !! PER_SPACING times as wide as the distance between samples.
   subroutine update_grid(surface, shape, grid)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

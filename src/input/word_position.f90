@@ -32,9 +32,9 @@ module word_position
 
 contains
 
-  !> Begin the requests of a word: set their kind, and whether their values are added to other
-  !! values or replace them. Without ADD or SET, the values of words that select planes are added to
-  !! other values, except those of EPROportional.
+  !> Set what all conditions of a word have in common: their kind, and whether their values are
+  !! added to other values or replace them. Without ADD or SET, the values of words that select
+  !! planes are added to other values, except those of EPROportional.
   subroutine begin_requests(record, r, error)
     type(record_t), intent(in) :: record
     type(condition_entry_t), intent(out) :: r
