@@ -185,8 +185,8 @@ contains
   !> Find the positions, in the matrix, of the 3x3 blocks of all pairs of nodes of one element.
   !!
   !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 if a symmetric
-  !! matrix stores the transpose instead. If b1 and b2 differ but are the same node, both pairs map
-  !! to the diagonal block of this node.
+  !! matrix stores the transpose instead. If b1 and b2 differ but conn(b1) = conn(b2), both pairs
+  !! map to the diagonal block of this node.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:)    !! (nen)

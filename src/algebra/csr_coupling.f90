@@ -1,5 +1,5 @@
 !> Rectangular blocks of a sparse matrix that couple rows of some nodes with columns of other nodes,
-!! as contact does. To a symmetric matrix, only their symmetric part is added.
+!! as contact does. If the matrix is symmetric, only the symmetric part of the coupling is added.
 module csr_coupling
   use base_kinds, only: wp
   use csr, only: block_matrix_t, block_position

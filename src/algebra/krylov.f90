@@ -85,7 +85,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     class(solver_t), intent(inout) :: solver
-    type(correction_t), intent(inout) :: correction !! of the factors; used if it acts
+    type(correction_t), intent(inout) :: correction !! of the factors; used if `acts`
     real(wp), intent(in) :: b(:)
     real(wp), intent(out) :: x(:)
     integer, intent(in) :: limit
@@ -203,7 +203,7 @@ contains
     logical, intent(in) :: exhausted
     type(krylov_report_t), intent(inout) :: report
     real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
-    !> If the relative residual is larger, the matrix is practically singular.
+    !> A larger relative residual means that the matrix is practically singular.
     real(wp), parameter :: WORST = 1e-6_wp
     real(wp) :: total(size(b))
 

@@ -1,10 +1,10 @@
 !> Finds out whether a factorised matrix is singular, and which motions are then free.
 !!
-!! Pivots alone do not show whether it is singular: rounding leaves pivots of 1e-9 in a free slender
-!! body, and supported slender bodies have pivots of 1e-10. Two steps of inverse iteration find the
-!! smallest eigenvalue itself, which is of the order of the rounding unit if the matrix is singular,
-!! and far larger otherwise. The matrix is scaled by the sums of the absolute values in its rows, so
-!! that units and stiff parts of the model have no influence.
+!! Pivots alone do not show whether a matrix is singular: rounding leaves pivots of 1e-9 in a free
+!! slender body, and supported slender bodies have pivots of 1e-10. Two steps of inverse iteration
+!! find the smallest eigenvalue itself, which is of the order of the rounding unit if the matrix is
+!! singular, and far larger otherwise. The matrix is scaled by the sums of the absolute values in
+!! its rows, so that units and stiff parts of the model have no influence.
 module null_space
   use base_error, only: error_t
   use base_kinds, only: wp

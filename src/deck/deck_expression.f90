@@ -350,7 +350,7 @@ contains
     p%depth = p%depth + 1
     if (p%depth > DEEPEST) then
       call reject(p, 'parentheses and powers are nested more than 100 levels deep', at, 1, &
-                  'split the expression with PARAmeters')
+                  'compute parts of the expression in PARAmeters')
     end if
   end subroutine descend
 

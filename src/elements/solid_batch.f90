@@ -2,8 +2,8 @@
 !!
 !! The formulas are those of solid_form; the first index of every array is the element. The body of
 !! each loop over the elements is straight-line code or a single inner loop, so that the compiler
-!! vectorises the loop over the elements. Points are processed in groups of at most NC, whose
-!! gradients stay in the first-level cache.
+!! vectorises the loop over the elements. Points are processed in groups of at most NC, so that the
+!! gradients of a group stay in the first-level cache.
 module solid_batch
   use base_kinds, only: wp
   use basis_type, only: basis_t

@@ -7,10 +7,11 @@
 !!   r_a  = sum_q w0 tau g_a
 !!   K_ab = sum_q w0 [(g_a . (tau + mus 1) g_b) 1 + lam g_a x g_b + mus g_b x g_a]
 !!
-!! if the tangent of the law is lam 1 x 1 + 2 mus I. Otherwise K_ab consists of B^T c B and
-!! (g_a . tau g_b) 1. At small strains, the geometric part is left out: tau in (tau + mus 1) is
-!! zero. For the neo-Hookean law, tau + mus 1 is mu b. The sums over points are products of panels
-!! (functions by points), computed by BLAS. Enhanced modes are treated like additional functions.
+!! if the tangent of the law is lam 1 x 1 + 2 mus I (x is the tensor product). Otherwise K_ab
+!! consists of B^T c B and (g_a . tau g_b) 1. At small strains, the geometric part is left out: tau
+!! in (tau + mus 1) is zero. For the neo-Hookean law, tau + mus 1 is mu b. The sums over points are
+!! products of panels (functions by points), computed by BLAS. Enhanced modes are treated like
+!! additional functions.
 module solid_form
   use base_kinds, only: wp
   use basis_type, only: basis_t

@@ -32,7 +32,7 @@ contains
     real(wp), intent(in) :: u(:, :)   !! (3, nen)
     real(wp), intent(in) :: param(:)  !! (3*nmode or more) history, which begins with the parameters
     type(recovered_t), intent(out) :: point(:) !! (nq)
-    logical, intent(out) :: ok        !! .false.: inverted at a point; the stress there is zero
+    logical, intent(out) :: ok        !! .false.: the map is inverted at a point; its stress is 0
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
     real(wp) :: xu(6, basis%nen)

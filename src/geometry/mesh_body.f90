@@ -27,7 +27,7 @@ module mesh_body
 
   !> The data of a MESH block.
   type :: mesh_spec_t
-    type(patch_spec_t) :: spec             !! name, place, placement and type of the hexahedra
+    type(patch_spec_t) :: spec             !! name, place and placement; type of the hexahedra
     type(mesh_file_t) :: file
     type(text_t) :: text                   !! its text, for error messages
     type(mesh_material_t), allocatable :: material(:)

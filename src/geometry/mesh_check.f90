@@ -42,9 +42,10 @@ contains
                       //'of them')
   end subroutine check_shapes
 
-  !> Check that the nodes of each element are distinct, and that its map is right-handed at all
-  !! integration points. The map from the reference element is checked, because the map from the
-  !! parent cube of a collapsed element is nearly singular where the cube is collapsed.
+  !> Check that the nodes of each element are distinct, and that the map of the element is
+  !! right-handed at all integration points. The map from the reference element is checked, because
+  !! the map from the parent cube of a collapsed element is nearly singular where the cube is
+  !! collapsed.
   subroutine check_elements(file, text, volume, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text
@@ -77,8 +78,8 @@ contains
         associate (node => file%node(file%first(e):file%first(e + 1) - 1))
           if (size(unique(node)) < size(node)) then
             call fail_in_file(text, 'element '//to_text(file%label(e))//' lists the same node ' &
-                              //'twice', error, 'write collapsed hexahedra as wedges, pyramids ' &
-                              //'or tetrahedra')
+                              //'twice', error, 'remove the element, or write a collapsed ' &
+                              //'hexahedron as a wedge, pyramid or tetrahedron')
             return
           end if
           x = file%x(:, node)

@@ -10,7 +10,7 @@ module patch_check
   private
   public :: check_patch, check_enrichment, hemisphere_degree, face_name
 
-  integer(i8), parameter :: MAX_NODE = 200000000_i8 !! of a body; 3*MAX_NODE fits an integer
+  integer(i8), parameter :: MAX_NODE = 200000000_i8 !! per body; 3*MAX_NODE fits into an integer
   character(2), parameter :: FACE(6) = ['1-', '1+', '2-', '2+', '3-', '3+']
 
 contains
@@ -27,7 +27,7 @@ contains
   subroutine check_patch(spec, error)
     type(patch_spec_t), intent(in) :: spec
     type(error_t), allocatable, intent(out) :: error
-    integer(i8) :: n, along !! nodes of the body; nodes that an element adds along an edge
+    integer(i8) :: n, along !! number of nodes; intervals between nodes along an edge of an element
     integer :: d
 
     select case (spec%geometry)

@@ -1,10 +1,10 @@
 !> Bodies of Lagrange elements, with a layer of enriched elements at each spline face.
 !!
-!! The Lagrange nodes are the points of the geometry at the nodes of a lattice over the elements. A
-!! cell at one enriched face becomes one enriched hexahedron. A cell at two enriched faces is
-!! divided into two prisms by the diagonal plane through the edge that these faces share and the
-!! opposite edge. Each prism is a hexahedron whose face zeta = +1 is collapsed to that opposite edge
-!! (Corbett and Sauer 2015, section 4.1).
+!! ELEMents or KNOTs divide the patch into cells. The Lagrange nodes are the points of the geometry
+!! at the nodes of a lattice over the cells. A cell at one enriched face becomes one enriched
+!! hexahedron. A cell at two enriched faces is divided into two prisms by the diagonal plane through
+!! the edge that these faces share and the opposite edge. Each prism is a hexahedron whose face
+!! zeta+ is collapsed to that opposite edge (Corbett and Sauer 2015, section 4.1).
 module patch_lagrange
   use base_error, only: error_t
   use base_kinds, only: wp

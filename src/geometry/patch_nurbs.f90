@@ -101,7 +101,7 @@ contains
   end subroutine check_orientation
 
   !> Reverse direction 3 of a patch if the patch is left-handed. Files of other programs may contain
-  !! such patches.
+  !! left-handed patches.
   subroutine turn_right_handed(patch, turned)
     type(nurbs_t), intent(inout) :: patch
     logical, intent(out) :: turned

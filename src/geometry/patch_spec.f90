@@ -63,7 +63,7 @@ module patch_spec
     integer :: nelem(3) = 0                            !! ELEMents
     type(knot_list_t) :: knots(3)                      !! KNOTs,dir; n knots make n + 1 elements
     type(spline_spec_t) :: spline                      !! SPLIne
-    character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID, LAYER of a SPLIne
+    character(8) :: type = ''                          !! Q1 Q1E9 Q2 IGA RIGID; SPLIne: LAYER, RIGID
     integer :: degree = 1                              !! degree of IGA
     type(enrich_t), allocatable :: enrich(:)
     integer :: q = 0, qz = 0                           !! QUADrature; 0: the default of each element

@@ -131,7 +131,7 @@ contains
   !> Set nodes, weights, operators and faces of all elements.
   subroutine add_elements(s, inner, new, group, igroup, draft)
     type(spline_surface_t), intent(in) :: s
-    integer, intent(in) :: inner(:, :)  !! (4, nelem) node minus number of nodes before the body
+    integer, intent(in) :: inner(:, :)  !! (4, nelem) nodes minus mesh%nnode (append_draft adds it)
     integer, intent(in) :: new(:), igroup(:)
     type(group_t), intent(in) :: group(:)
     type(draft_t), intent(inout) :: draft

@@ -64,7 +64,7 @@ contains
   end subroutine read_layer
 
   !> Read hanging nodes. A record consists of the slave, the number of its masters, and each master
-  !! with its coefficient. A negative master is a control point of the surface.
+  !! with its coefficient. A negative master -k is control point k of the surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path
     type(constraint_t), intent(inout) :: list

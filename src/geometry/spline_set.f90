@@ -61,7 +61,7 @@ contains
     call move_alloc(set, surface%set)
   end subroutine read_sets
 
-  !> Check that a set with this name exists.
+  !> Check that a spline has the set `name`.
   subroutine check_set(s, spline, name, place, error)
     type(spline_surface_t), intent(in) :: s
     character(*), intent(in) :: spline, name !! as written in the deck
@@ -84,8 +84,8 @@ contains
               place, hint)
   end subroutine check_set
 
-  !> Add the sets as groups to the last body of the mesh, which is the body of the surface. The face
-  !! of the body lists its element faces block by block, in the order of the elements.
+  !> Add the sets as groups to the last body of the mesh, which is the body of the surface. Face
+  !! `side` of this body lists its element faces block by block, in the order of the elements.
   subroutine put_sets(s, new, iblock, side, mesh)
     type(spline_surface_t), intent(in) :: s
     integer, intent(in) :: new(:)      !! (nnode of the file) number in the body; 0: none

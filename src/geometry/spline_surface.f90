@@ -30,7 +30,7 @@ module spline_surface
   !! first(e+1)-1).
   type :: spline_surface_t
     integer :: nnode = 0, nelem = 0
-    real(wp), allocatable :: x(:, :)      !! (3, nnode) control points, not weighted [L]
+    real(wp), allocatable :: x(:, :)      !! (3, nnode) control points without weights [L]
     real(wp), allocatable :: w(:)         !! (nnode) weights
     logical :: rational = .false.         !! .true. if the weights differ
     integer, allocatable :: degree(:, :)  !! (2, nelem)

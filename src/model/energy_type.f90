@@ -72,11 +72,11 @@ contains
   !! If the force varies monotonically, its work lies between the work of its first value and that
   !! of its last value, each taken as constant. The error is then at most half of |rise.du|, where
   !! rise is the change of the force. If the force is a convex or a concave function of the
-  !! displacement over both steps, its work also lies between the works of two linear forces: one
-  !! follows the chord of this step, the other one continues the chord of the previous step and
-  !! therefore changes by r rise_before, where r is the length of du divided by that of du_before.
-  !! If the direction of motion changes, a further term is added to this second bound. The smaller
-  !! one of the two bounds is used.
+  !! displacement over both steps, its work also lies between the works of two forces that vary
+  !! linearly: one follows the chord of this step; the other one continues the chord of the previous
+  !! step, and therefore changes by r rise_before, where r is the length of du divided by that of
+  !! du_before. If the direction of motion changes, a further term is added to this second bound.
+  !! The smaller one of the two bounds is used.
   pure real(wp) function error_of_step(du, rise, du_before, rise_before, loaded) result(error)
     real(wp), intent(in) :: du(:, :), rise(:, :), du_before(:, :), rise_before(:, :)
     logical, intent(in) :: loaded(:, :) !! (3, nnode) a support or load acts there

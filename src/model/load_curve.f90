@@ -5,9 +5,9 @@ module load_curve
   private
   public :: load_table_t, table_factor, table_slope, load_factor, next_corner, next_extremum
 
-  !> A factor p that depends on the time t. Kind 0: p = t, if the deck gives only a blank record;
-  !! kind 1: FEAP's formula; kind 2: linear interpolation between pairs (t, p), constant before the
-  !! first pair and after the last one.
+  !> A factor p that depends on the time t. Kind 0 (a blank record in the deck): p = t; kind 1:
+  !! FEAP's formula; kind 2: linear interpolation between pairs (t, p), constant before the first
+  !! pair and after the last one.
   type :: load_table_t
     integer :: kind = 0
     integer :: power = 1

@@ -60,7 +60,8 @@ module mesh
     integer :: inner = 0               !! number of its surface elements inside the body
   end type group_t
 
-  !> A body made by PATCh, MESH or SPLIne. Its faces 1 to 6 are 1- 1+ 2- 2+ 3- 3+ in the deck.
+  !> A body made by PATCh, MESH or SPLIne. Its faces 1 to 6 are called 1- 1+ 2- 2+ 3- 3+ in the
+  !! deck.
   type :: body_t
     character(:), allocatable :: name
     type(place_t) :: place
@@ -89,7 +90,8 @@ module mesh
     type(constraint_t) :: constraint       !! hanging nodes
   end type mesh_t
 
-  !> A model is far from zero if its centre is farther away than this many times its extent.
+  !> A model is far from zero if the distance of its centre from zero exceeds its extent by this
+  !! factor.
   real(wp), parameter :: FAR_AWAY = 100.0_wp
 
 contains

@@ -64,7 +64,7 @@ module model
     real(wp), allocatable :: u(:, :)      !! (3, nnode) displacements [L]
     real(wp), allocatable :: u_step(:, :) !! displacements at the start of the step [L]
     real(wp), allocatable :: last_increment(:, :) !! (3, nnode) u - u_step of the last accepted step
-    real(wp) :: last_dt = 0.0_wp          !! length of the last accepted step in time [T]
+    real(wp) :: last_dt = 0.0_wp          !! time increment of the last accepted step [T]
     real(wp), allocatable :: u_base(:, :) !! displacements from which the last increment started [L]
     real(wp) :: scale = 0.0_wp            !! fraction of the Newton increment in u - u_base
     real(wp), allocatable :: reaction(:, :) !! (3, nnode) internal minus external force [F]; at free

@@ -1,7 +1,7 @@
 !> Bodies that their supports do not fully restrain, and the rigid motions that remain possible.
 !!
 !! A body is a set of elements that are connected by common nodes or by constraints of nodes. Its
-!! small rigid motions are u(x) = t + w x (x - centre)/size, with six coefficients (t, w). The
+!! small rigid motions are u(x) = t + cross(w, x - centre)/size, with six coefficients (t, w). The
 !! motions that remain possible are those for which u vanishes at every prescribed dof.
 module rigid_modes
   use base_kinds, only: wp
@@ -17,7 +17,7 @@ module rigid_modes
             motion_text, list_text, null_vectors, find_pieces
 
   !> Eigenvalues of a matrix of supports below this limit are taken as zero. The matrix of a single
-  !! support has an eigenvalue of about one.
+  !! support has one nonzero eigenvalue, which lies between 1 and 2.
   real(wp), parameter :: UNHELD = 1.0e-12_wp
   !> Components of a direction below this limit are shown as zero in messages.
   real(wp), parameter :: SMALL = 1.0e-3_wp
@@ -27,7 +27,7 @@ module rigid_modes
     integer, allocatable :: node(:)    !! its nodes in ascending order, without slaves
     logical :: in_contact = .false.    !! one of its faces belongs to a CONTact
     logical :: bonded = .false.        !! one of its faces belongs to a CONTact with COHEsive
-    real(wp) :: centre(3) = 0.0_wp     !! of its supports if it has any, or of its nodes [L]
+    real(wp) :: centre(3) = 0.0_wp     !! of its supported nodes, or of all if there are none [L]
     real(wp) :: size = 0.0_wp          !! largest distance of a node from the centre [L]
     integer :: nmotion = 0             !! number of motions that the supports permit
     real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of these motions, orthonormal [-]
