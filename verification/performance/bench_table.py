@@ -85,7 +85,8 @@ def cube(result, tolerance):
         )
     lines += [
         "",
-        "- The times are those of whole processes; for FElupe only the iterations are timed.",
+        "- The times of bezel and CalculiX are those of whole processes; for FElupe only the "
+        "iterations are timed.",
         "- Q1E9 is a different element. The neo-Hooke law of CalculiX has (J - 1)^2 where that of bezel has "
         "(ln J)^2, so its force differs.",
         f"- Forces agree to {tolerance:.0e}: {'yes' if same_force(result, tolerance) else 'NO'}.",
