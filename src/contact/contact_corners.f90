@@ -15,7 +15,7 @@ module contact_corners
   private
   public :: deepest_corner, CORNER_XI
 
-  !> Parameters of the corners of an element, in the order of the corners.
+  !> Parameters of corners 1 to 4 of an element.
   real(wp), parameter :: CORNER_XI(2, 4) = reshape([-1, -1, 1, -1, -1, 1, 1, 1]*1.0_wp, [2, 4])
 
 contains

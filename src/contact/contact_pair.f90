@@ -21,7 +21,8 @@ module contact_pair
   integer, parameter, public :: MORTAR = 3   !! points of cells and control points load both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
-  !! [-1,1]^2, the first direction fastest. Facets and Lagrange patches are written this way too.
+  !! [-1,1]^2, whose first direction varies fastest. Facets and Lagrange patches are written this
+  !! way too.
   type :: surface_basis_t
     integer :: degree(2) = 1
     integer :: nsf = 0                       !! functions
@@ -86,7 +87,7 @@ module contact_pair
   type :: assigned_law_t
     logical :: given = .false.               !! the deck gives this law
     type(contact_law_t) :: law
-    real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp  !! columns: contact_type, or the law's file
+    real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp  !! for its columns see contact_type or the law's file
     logical :: auto = .false.                !! the penalty follows from stiffness and element size
     real(wp) :: factor = 1.0_wp              !! factor given with AUTO [-]
     character(:), allocatable :: account     !! how AUTO found the penalty

@@ -26,7 +26,7 @@ contains
   !> At a point near the outer boundary, replace the traction of the laws with t, and update its
   !! derivatives. With A = [a_1 a_2], the metric M = A^T A, w = M^-1 s_,xi and v = A w,
   !!
-  !!   dv = sum_j (w_j (1 - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
+  !!   dv = sum_j (w_j (I - sum_a a^a a_a) - a^j v) . da_j + sum_ab a^a s_,ab dxi_b.
   pure subroutine taper_edge(width, outside, foot, point, dt)
     real(wp), intent(in) :: width          !! width relative to the element
     logical, intent(in) :: outside(4)      !! edges xi-, xi+, eta-, eta+ on the outer boundary

@@ -155,7 +155,7 @@ contains
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
                   //', for which DISPlacement prescribes '//to_text(u(d))//' and '//to_text(v(d)) &
                   //' in direction '//to_text(d), draft%tie(1)%place, &
-                  'prescribe the displacement of only one of them, or leave them out of TIE')
+                  'prescribe the displacement of only one of these nodes, or leave both out of TIE')
         return
       end do
     end associate

@@ -189,7 +189,7 @@ contains
     found = .false.
   end subroutine find_deep_point
 
-  !> The point of an element with the parent coordinates 0.
+  !> Find the point of an element at which the parent coordinates are 0.
   subroutine find_centre(mesh, b, e, x)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: b, e        !! block and element

@@ -112,7 +112,7 @@ contains
                                   //'nothing joins them')
   end subroutine warn_touching
 
-  !> Warn about faces that share nodes and come apart between them.
+  !> Warn about faces that share nodes and come apart between these nodes.
   subroutine warn_unlike(draft, mesh, skin, pair)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

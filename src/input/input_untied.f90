@@ -69,7 +69,7 @@ contains
     type(mesh_t), intent(in) :: mesh
     logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) pairs of bodies a < b
     type(skin_t), allocatable :: skin(:)
-    logical, allocatable :: on(:, :) ! (nnode, 2) loose nodes of one body and of the other
+    logical, allocatable :: on(:, :) ! (nnode, 2) untied nodes of one body and of the other
     real(wp) :: near
     integer :: a, b, n, tied
 

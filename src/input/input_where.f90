@@ -405,10 +405,10 @@ contains
           do j = 1, i - 1
             x = abs(mesh%xr(:, node(i)) - mesh%xr(:, node(j)))
             if (x(direction) <= norm2(x)*BEHIND) cycle
-            call warn('the plane selects nodes '//to_text(node(j))//' and '//to_text(node(i)) &
-                      //' of the same element, although one lies '//to_text(x(direction), 3) &
-                      //' behind the other, because it selects nodes up to '//to_text(gap, 3) &
-                      //' away', place, hint)
+            call warn('the plane selects all nodes up to '//to_text(gap, 3)//' away, among them ' &
+                      //'nodes '//to_text(node(j))//' and '//to_text(node(i))//' of the same ' &
+                      //'element, one of which lies '//to_text(x(direction), 3)//' behind the ' &
+                      //'other', place, hint)
             return
           end do
         end do

@@ -199,8 +199,8 @@ contains
       n = law%law%nprop
       call check_count(line, n + 2, huge(n), usage, error)
       do i = 3, n + 2
-        if (.not. allocated(error)) call read_positive(deck, line, i, 'number', law%prop(i - 2), &
-                                                       error)
+        if (.not. allocated(error)) call read_positive(deck, line, i, 'parameter', &
+                                                       law%prop(i - 2), error)
       end do
       i = n + 2
       option = cohesive_options(law%law)

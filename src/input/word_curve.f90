@@ -176,7 +176,7 @@ contains
         i = word_index(ENERGIES%word, line%key(2))
         if (i == 0) then
           call fail(error, DECK_ERROR, 'unknown energy '//quoted(line%text(2)), line%place(2), &
-                    'nearest known: '//nearest(line%text(2), ENERGIES%word)//'; '//usage)
+                    'nearest known: '//nearest(line%text(2), ENERGIES%word)//'; usage: '//usage)
           return
         end if
         q%id = Q_BOOK
