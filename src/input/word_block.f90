@@ -189,8 +189,9 @@ contains
     end if
     if (max(nnode, nelem) > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'BLOCk of '//to_text(spec%n(1))//' x '//to_text(spec%n(2)) &
-                //' x '//to_text(spec%n(3))//' increments has too many nodes', record%place(1), &
-                'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                //' x '//to_text(spec%n(3))//' increments gives node or element numbers above ' &
+                //to_text(MAX_NUMBER), record%place(1), 'use fewer increments, or smaller ' &
+                //'numbers of the first node and element')
     end if
   end subroutine check_block
 

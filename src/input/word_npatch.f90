@@ -130,7 +130,8 @@ contains
       end if
       if (product(int(p%n, i8)) > MAX_NUMBER .or. maxval(p%n) > MAX_KNOT) then
         call fail(error, DECK_ERROR, 'NPATch has too many control points', line%place(3), &
-                  'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes')
+                  'give at most '//to_text(MAX_KNOT)//' in one direction and ' &
+                  //to_text(MAX_NUMBER)//' in all')
         return
       end if
       call read_rows(draft, deck, p, error)
