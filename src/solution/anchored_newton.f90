@@ -105,8 +105,8 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
 
-    loads = max(sum(sqrt(sum(newton%asm%f_ext**2, 1))), &
-                sum(sqrt(sum(state%reaction**2, 1, mask=model%eq == 0))))
+    loads = max(sum(norm2(newton%asm%f_ext, 1)), &
+                sum(norm2(merge(state%reaction, 0.0_wp, model%eq == 0), 1)))
   end function sum_of_loads
 
 end module anchored_newton
