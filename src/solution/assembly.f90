@@ -112,7 +112,7 @@ contains
     allocate (clique(nblock + CLIQUES*size(asm%contact) + 2))
     do b = 1, nblock
       own = own_elements(asm, b)
-      clique(b)%conn = model%mesh%block(b)%conn(:, own(1):own(2))
+      allocate (clique(b)%conn, source=model%mesh%block(b)%conn(:, own(1):own(2)))
     end do
     n = size(clique) - 1
     call contact_cliques(asm%contact, model, step, clique(nblock + 1:n - 1))
