@@ -63,6 +63,9 @@ contains
            '   Sum  '//numbers(sum(r, 2))//LF// &
            '  |Sum| '//numbers(sum(abs(r), 2))//LF// &
            '   Energy: Displacements * Reactions = '//numbers([sum(state%u*r)])//LF
+    if (any(abs(r(:, node) - state%reaction(:, node)) > 0.0_wp)) then
+      text = text//'   Nodal forces (FORCe, EFORce, CFORce, CSURface) are included, as in FEAP'//LF
+    end if
     call write_text(file, text, error)
     if (.not. allocated(error)) call flush_bytes(file, error)
   end subroutine print_reactions
