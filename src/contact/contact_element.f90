@@ -7,7 +7,7 @@ module contact_element
   use contact_point, only: point_t, traction_derivatives_t, traction_at
   use contact_type, only: MU, OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, add_back, add_cross, &
-                          measure, position_on
+                          measure, sliding_position
   use edge_taper, only: taper_edge
   use projection_type, only: foot_t, touches
   use subcell_quadrature, only: acting
@@ -130,7 +130,7 @@ contains
     if (points%new_step .and. points%state_step(i) == SLIP) then
       point%ahead = points%slip_rate(i)*points%dt
     end if
-    if (point%slides) call position_on(other, e, points%slide_xi(:, i), x, work, point%xs)
+    if (point%slides) call sliding_position(other, e, points%slide_xi(:, i), x, work, point%xs)
     call traction_at(contact, foot, work%secant, point, dt)
     if (point%state == OPEN .or. .not. contact%taper > 0.0_wp) return
     outside = other%neighbour(:, foot%elem) == 0

@@ -2,17 +2,17 @@
 !! they act.
 !!
 !! The pressure and the elastic part of friction have potentials. The energy that slip dissipates in
-!! a step is the length of the slip times the mean of mu p at the start and at the end of the step.
-!! The cohesive laws sum up the energies of bonds (contact_secant). The work of the nodal forces
-!! differs from the sum of these energies by the energy that a scheme without a potential creates,
-!! and by the error of the trapezoidal rule.
+!! a step is the length of the slip times the mean of mu p at the start and at the end of the step
+!! (slip_work). The cohesive laws sum up the energies of bonds (contact_secant). The work of the
+!! nodal forces differs from the sum of these energies by the energy that a scheme without a
+!! potential creates, and by the error of the trapezoidal rule.
 module contact_energy
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, contact_state_t
   use contact_work, only: energy_share
   implicit none
   private
-  public :: measure_energy, bond_energy, contact_energies
+  public :: measure_energy, slip_work, bond_energy, contact_energies
 
 contains
 
@@ -27,10 +27,32 @@ contains
       state%pressed(k) = share*sum(points%pressed)
       state%sheared(k) = 0.5_wp*share*sum(points%area*norm2(points%friction, 1) &
                                           *norm2(points%elastic, 1))
-      state%dissipated = state%dissipated + 0.5_wp*share*sum(points%area*points%slip &
-                                                             *(points%limit_step + points%limit))
+      state%dissipated = state%dissipated + share*slip_work(points%area, points%slip, &
+                                                            points%limit_step, points%limit, &
+                                                            state%limit_force(k))
+      state%limit_force(k) = sum(points%area*points%limit)
     end associate
   end subroutine measure_energy
+
+  !> Energy that the slip of a step dissipates at the points of one side: the sum over the points of
+  !! the slip times the mean of the friction limits at the start and end of the step, each times the
+  !! area. A point that has left the contact has no slip. The limits of all such points, which are
+  !! the remainder of `before`, are multiplied by the mean slip of the points in contact. Otherwise
+  !! half of the work of a point would be lost in the step in which the other body moves off it.
+  pure real(wp) function slip_work(area, slip, limit_step, limit, before) result(work)
+    real(wp), intent(in) :: area(:)        !! (n) [L^2]
+    real(wp), intent(in) :: slip(:)        !! (n) length of the slip in the step [L]
+    real(wp), intent(in) :: limit_step(:)  !! (n) friction limit at the start of the step [F/L^2]
+    real(wp), intent(in) :: limit(:)       !! (n) friction limit at the end of the step [F/L^2]
+    real(wp), intent(in) :: before         !! integral of the limit at the end of the last step [F]
+    real(wp) :: force, left
+
+    work = 0.5_wp*sum(area*slip*(limit_step + limit))
+    force = sum(area*limit)
+    if (.not. force > 0.0_wp) return
+    left = before - sum(area*limit_step, mask=limit > 0.0_wp)
+    work = work + 0.5_wp*left*sum(area*slip*limit)/force
+  end function slip_work
 
   !> Energy of all bonds of a contact: 1 stored, 2 dissipated by damage, 3 dissipated by viscosity.
   pure function bond_energy(contact, state) result(energy)

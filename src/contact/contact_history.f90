@@ -20,7 +20,7 @@ module contact_history
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
-            side_positions, enter_slide, accept_slides, trail_behind
+            side_positions, enter_slide, accept_slides, trail_behind, slide_beyond
 
   !> Fraction of DEPTh: a point beside the other surface is marked if it is less than this above the
   !! tangent plane of the border (mark_beside). The pressure of a marked point that has entered the
@@ -199,15 +199,19 @@ contains
     else
       points%slide(i) = foot%outer
       points%slide_xi(:, i) = foot%outer_xi
+      if (contact%balanced) points%slide_xi(:, i) = slide_beyond(contact%side(3 - k), shape, foot, &
+                                                                 xp(:, 1))
     end if
   end subroutine enter_slide
 
   !> Set the sliding points of an accepted step. A sticking point keeps its sliding point. The
   !! sliding point of a slipping point follows the projection at a distance equal to the elastic
   !! part (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If
-  !! the point lies beyond the outer boundary, its sliding point is the closest point of the
-  !! boundary, so that friction acts in the step in which the point crosses the boundary.
-  pure subroutine accept_slides(own, other, shape, x, feet, points)
+  !! the point lies beyond the outer boundary, its sliding point lies there, too (slide_beyond), so
+  !! that friction acts in the step in which the point crosses the boundary. With HALFpass, it is
+  !! the closest point of the boundary as in the paper's scenes.
+  pure subroutine accept_slides(balanced, own, other, shape, x, feet, points)
+    logical, intent(in) :: balanced
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! shape of the other side
     real(wp), intent(in) :: x(:, :)              !! (3, nnode) current positions [L]
@@ -226,6 +230,9 @@ contains
         if (points%closest(i) == 0) then
           points%slide(i) = feet(i)%outer
           points%slide_xi(:, i) = feet(i)%outer_xi
+          if (balanced .and. feet(i)%outer > 0) then
+            points%slide_xi(:, i) = slide_beyond(other, shape, feet(i), xp(:, q))
+          end if
         else if (points%state(i) == SLIP) then
           call trail_behind(other, shape, xp(:, q), feet(i), points%elastic(:, i), &
                             points%slide(i), points%slide_xi(:, i))
@@ -233,6 +240,29 @@ contains
       end do
     end do
   end subroutine accept_slides
+
+  !> Coordinates of the sliding point of a point x beyond the outer boundary, in the element of the
+  !! closest point of the boundary. They lie outside of the square [-1, 1]^2, and refer to the
+  !! tangents at the closest point (sliding_functions). When the surface moves below x, friction
+  !! thus acts against this motion. A sliding point on the boundary would turn the slip towards the
+  !! normal of the boundary, and shorten it.
+  pure function slide_beyond(other, shape, foot, x) result(xi)
+    type(surface_t), intent(in) :: other
+    type(shape_t), intent(in) :: shape           !! shape of the other side
+    type(foot_t), intent(in) :: foot             !! with a point on the outer boundary
+    real(wp), intent(in) :: x(3)                 !! [L]
+    real(wp) :: xi(2)
+    real(wp), parameter :: FLAT = 1.0e-6_wp      !! least sine of the angle between the tangents
+    real(wp) :: at(3), a(3, 2), b(3, 3), g(2, 2), d(2), det
+
+    call surface_point(other, shape, foot%outer, foot%outer_xi, at, a, b)
+    g = matmul(transpose(a), a)
+    d = matmul(x - at, a)
+    det = g(1, 1)*g(2, 2) - g(1, 2)**2
+    xi = foot%outer_xi
+    if (.not. det > FLAT**2*g(1, 1)*g(2, 2)) return
+    xi = xi + [g(2, 2)*d(1) - g(1, 2)*d(2), g(1, 1)*d(2) - g(1, 2)*d(1)]/det
+  end function slide_beyond
 
   !> Move the sliding point from the projection so that the tangential vector from it to the point
   !! is `elastic`. The traction then stays the same if the load stays the same. On a curved surface,

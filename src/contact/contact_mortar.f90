@@ -24,11 +24,11 @@ module contact_mortar
   use contact_active, only: pairs_t, need_pair
   use contact_cells, only: cells_t, cut_cells
   use contact_facets, only: facets_t, divide_surface
-  use contact_history, only: trail_behind
+  use contact_history, only: trail_behind, slide_beyond
   use contact_pair, only: contact_t, contact_state_t, friction_points_t, is_integrated, surface_t
   use contact_point, only: vary_projection
   use contact_scatter, only: scatter_element
-  use contact_work, only: work_t, element_functions
+  use contact_work, only: work_t, element_functions, sliding_functions
   use csr, only: block_matrix_t
   use mortar_control, only: find_pressures, need_lists, add_control_tangent
   use mortar_kernel, only: form_cells
@@ -274,7 +274,7 @@ contains
         side%slide_xi(:, i) = foot%xi
       else if (foot%outer > 0) then ! the point was beyond the border
         side%slide(i) = foot%outer
-        side%slide_xi(:, i) = foot%outer_xi
+        side%slide_xi(:, i) = slide_beyond(contact%side(3 - k), mortar%start(3 - k), foot, at)
         return
       else
         return
@@ -300,7 +300,7 @@ contains
 
     if (side%slide(i) <= 0) return
     n = other%first(side%slide(i) + 1) - other%first(side%slide(i))
-    call element_functions(other, side%slide(i), side%slide_xi(:, i), side%slide_shp(:n, i), &
+    call sliding_functions(other, side%slide(i), side%slide_xi(:, i), side%slide_shp(:n, i), &
                            dshp(:, :n))
   end subroutine find_slide_functions
 

@@ -210,6 +210,8 @@ module contact_pair
     !> At the end of the previous step: energy of the pressure and elastic energy of friction at the
     !! points of each side, and the work of all slip so far [F L].
     real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
+    !> At the end of the previous step, for each side: integral of the friction limit [F].
+    real(wp) :: limit_force(2) = 0.0_wp
     !> MORTAR: force on each side and its moment about the origin, from the last assembly [F], [F L]
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step

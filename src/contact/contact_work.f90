@@ -17,8 +17,8 @@ module contact_work
   implicit none
   private
   public :: work_t, new_work, reserve_partners, reserve_crosses, clear, add_own, add_partner, &
-            add_back, add_cross, measure, position_on, position_at, tangents_on, &
-            element_functions, own_share, energy_share, loads_both
+            add_back, add_cross, measure, position_on, position_at, sliding_position, tangents_on, &
+            element_functions, sliding_functions, own_share, energy_share, loads_both
 
   !> Work arrays of one element and of its partners, which are the elements of the other side that
   !! its points face. A slot is the position of a partner in the list.
@@ -146,6 +146,38 @@ contains
     if (allocated(surface%w)) call make_rational(surface%w(surface%first(e): &
                                                            surface%first(e + 1) - 1), shp, dshp)
   end subroutine element_functions
+
+  !> Functions of element e at a sliding point. If the point lies beyond the element, which then is
+  !! at the outer boundary, they are continued linearly from the closest point of the square
+  !! [-1, 1]^2. They still sum to one.
+  pure subroutine sliding_functions(surface, e, xi, shp, dshp)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    real(wp), intent(out) :: shp(:), dshp(:, :) !! (nsf), (2, nsf)
+    real(wp) :: near(2)
+
+    near = max(-1.0_wp, min(1.0_wp, xi))
+    call element_functions(surface, e, near, shp, dshp)
+    if (any(abs(xi) > 1.0_wp)) shp = shp + matmul(xi - near, dshp)
+  end subroutine sliding_functions
+
+  !> Position of a sliding point, which may lie beyond a surface (sliding_functions).
+  pure subroutine sliding_position(surface, e, xi, x, work, at)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), x(:, :)
+    type(work_t), intent(inout) :: work
+    real(wp), intent(out) :: at(3)
+    integer :: j, n
+
+    n = surface%basis(surface%ibasis(e))%nsf
+    call sliding_functions(surface, e, xi, work%shp(:n), work%dshp(:, :n))
+    at = 0.0_wp
+    do j = 1, n
+      at = at + work%shp(j)*x(:, surface%node(surface%first(e) + j - 1))
+    end do
+  end subroutine sliding_position
 
   !> Position of a parametric point of a surface.
   pure subroutine position_on(surface, e, xi, x, work, at)
@@ -277,7 +309,7 @@ contains
   pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)
+    real(wp), intent(in) :: xi(2)                !! of a projection or of a sliding point
     real(wp), intent(in) :: dtdx(3, 3)           !! derivative with respect to the point xi of e
     real(wp), intent(in) :: dtda(3, 3, 2), da !! derivative with respect to the tangents; area [L^2]
     type(work_t), intent(inout) :: work
@@ -286,7 +318,7 @@ contains
     call find_slot(e, work)
     slot = work%slot
     n = other%basis(other%ibasis(e))%nsf
-    call element_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
+    call sliding_functions(other, e, xi, work%shp(:n), work%dshp(:, :n))
     do b = 1, n
       work%q(:, :, b) = dtdx*work%shp(b) + dtda(:, :, 1)*work%dshp(1, b) &
                         + dtda(:, :, 2)*work%dshp(2, b)

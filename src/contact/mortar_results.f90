@@ -3,6 +3,7 @@ module mortar_results
   use base_kinds, only: wp
   use contact_cells, only: cells_t
   use contact_corners, only: deepest_corner, CORNER_XI
+  use contact_energy, only: slip_work
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, friction_points_t, &
                           surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
@@ -39,7 +40,8 @@ contains
     real(wp) :: at(3), a(3, 2), b(3, 3), n(3), p, reference, stretch
     integer :: e, i, j, q
 
-    call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), state%dissipated)
+    call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), &
+                       state%limit_force(k), state%dissipated)
     call measure_cells(mortar, contact, k, shape(k), state)
     if (contact%self) then
       p = deepest_own_corner(mortar, contact, shape(k))
@@ -144,13 +146,13 @@ contains
   end subroutine spread_cells
 
   !> Store the values from which those of the points of the next step are interpolated. Add the work
-  !! of slip in this step: for each point, the slip times the area times the mean of the limits at
-  !! the start and end of the step.
-  subroutine keep_friction(side, contact, dt, rubbed, dissipated)
+  !! of slip in this step.
+  subroutine keep_friction(side, contact, dt, rubbed, limit_force, dissipated)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: dt               !! time step [T]
     type(friction_points_t), intent(inout) :: rubbed
+    real(wp), intent(inout) :: limit_force   !! integral of the friction limit [F]
     real(wp), intent(inout) :: dissipated    !! [F L]
     real(wp) :: limit(side%cells%n)
     logical :: rubs(side%cells%n)
@@ -173,10 +175,11 @@ contains
       rubbed%slip_rate = pack(merge(side%slip, 0.0_wp, side%state == SLIP), rubs) &
                          /max(dt, tiny(1.0_wp))
       rubbed%limit = pack(limit, rubs)
-      do i = 1, n
-        dissipated = dissipated + 0.5_wp*energy_share(contact)*cells%weight(i)*side%slip(i) &
-                     *(side%limit(i) + limit(i))
-      end do
+      if (.not. contact%friction%given) return
+      dissipated = dissipated + energy_share(contact)*slip_work(cells%weight(:n), side%slip(:n), &
+                                                                side%limit(:n), limit(:n), &
+                                                                limit_force)
+      limit_force = sum(cells%weight(:n)*limit(:n))
     end associate
   end subroutine keep_friction
 

@@ -75,6 +75,7 @@ contains
     call exchange(archive, group//'/x_nearest', contact%x_nearest, error)
     call exchange(archive, group//'/nearest_step', contact%nearest_step, error)
     call exchange(archive, group//'/dissipated', contact%dissipated, error)
+    call exchange(archive, group//'/limit_force', contact%limit_force, error)
     call exchange(archive, group//'/area', contact%area, error)
     call exchange(archive, group//'/sticks', contact%sticks, error)
     call exchange(archive, group//'/slips', contact%slips, error)
