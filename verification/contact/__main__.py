@@ -57,7 +57,8 @@ def write_curves(path, curves):
         file.write(f"# written by python -m verification.contact --write {path.parent.name}\n")
         writer = csv.DictWriter(file, list(curves[0]), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(curves)
+        for row in curves:  # further digits follow rounding errors
+            writer.writerow({k: f"{v:.8g}" if isinstance(v, float) else v for k, v in row.items()})
 
 
 if __name__ == "__main__":
