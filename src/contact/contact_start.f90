@@ -10,7 +10,7 @@ module contact_start
   use base_text, only: to_text
   use contact_bond, only: find_bonds, find_opened_bonds
   use contact_history, only: new_contact_state
-  use contact_pair, only: contact_t, contact_state_t, MORTAR
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
   use mesh, only: mesh_t
   use model, only: model_t
   use projection, only: project
@@ -73,9 +73,8 @@ contains
           call new_contact_state(contact, state)
           call find_bonds(contact, model%mesh%xr, state)
           n = [(count(state%side(k)%bond > 0), k=1, 2)]
-          call log_line('contact '//contact%name//': bonded '//to_text(n(1))//' of ' &
-                        //to_text(size(state%side(1)%bond))//' points of side 1, '//to_text(n(2)) &
-                        //' of '//to_text(size(state%side(2)%bond))//' of side 2')
+          call log_line('contact '//contact%name//': bonded are '//bonded_text(state%side(1)) &
+                        //' of side 1 and '//bonded_text(state%side(2))//' of side 2')
           if (sum(n) == 0) call warn(name//'no point is bonded', contact%place, 'if the surfaces ' &
                                      //'are apart, bond points up to a distance d with BONDed ' &
                                      //'GAP d; otherwise enlarge the region of BONDed')
@@ -137,6 +136,16 @@ contains
 
     text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
   end function position_text
+
+  !> The numbers of points and the areas of one side, bonded and in all.
+  function bonded_text(points) result(text)
+    type(contact_points_t), intent(in) :: points
+    character(:), allocatable :: text
+
+    text = to_text(count(points%bond > 0))//' of '//to_text(size(points%bond))//' points (area ' &
+           //to_text(sum(points%area0, mask=points%bond > 0))//' of '//to_text(sum(points%area0)) &
+           //')'
+  end function bonded_text
 
   !> Warn if the bonded areas of the two sides differ. The area of a point is bonded either as a
   !! whole or not at all, so a few points cannot represent the edge of a bond well.
