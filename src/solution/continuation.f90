@@ -51,12 +51,23 @@ contains
         call constrain_release(constraint, model, state, &
                                path%release*bonded_area(model, state), limit)
       else
-        to = next_time(step%control, state%time, left, next_corner(state%table, state%time), &
+        to = next_time(step%control, state%time, left, next_change(model, state), &
                        minval(next_extremum(state%table, state%time)))
       end if
     end associate
     call open_step(state, to)
   end subroutine begin_increment
+
+  !> The next time at which a load table has a corner or friction sets in (AFTEr); huge: never.
+  pure real(wp) function next_change(model, state) result(time)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+
+    time = next_corner(state%table, state%time)
+    associate (past => state%time + 8*epsilon(time)*abs(state%time), after => model%contact%after)
+      time = min(time, minval(after, mask=model%contact%friction%given .and. after > past))
+    end associate
+  end function next_change
 
   !> Act on a failed step. The result is true if the step must be repeated from its start, with
   !! another method or with a smaller increment of the constrained measure.
