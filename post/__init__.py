@@ -13,7 +13,8 @@ diff           compares two runs, or a run and a reference                     n
 mesh           meshes an enriched body below a net or a spline surface         numpy; Gmsh or TetGen
 =============  ==============================================================  ======================
 
-The package reads result files only, never a deck. Large packages are imported only when needed:
+No command reads a deck. `mesh` reads a net or a spline surface; the others read only results and
+tables. Large packages are imported only when needed:
 
 >>> import post
 >>> post.diff.compare.__name__

@@ -15,7 +15,7 @@ class Surface:
     """Faces of one body, each sampled at a grid of n x n points. For a triangle, the last corner of
     the grid lies in the middle of an edge.
 
-    x: (nface, n, n, 3) current positions; value: (nface, n, n) the field; outward: (nface, n, n, 3)
+    x: (nface, n, n, 3) positions; value: (nface, n, n) the field; outward: (nface, n, n, 3)
     normals, whose length is the area of a cell of the grid.
     """
 
@@ -26,7 +26,7 @@ class Surface:
 
 
 def surfaces(grid, path, values, n=None):
-    """Contact surfaces of a grid at its current positions: a list with one Surface per body.
+    """Contact surfaces of a grid, at the positions of its points: a list with one Surface per body.
 
     n: points per direction, by default as many as a picture needs; values: (npoint) coefficients of
     the field to show. Surfaces and field are evaluated with the (rational) functions of the faces,

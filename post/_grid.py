@@ -121,8 +121,8 @@ def _vtkhdf(path):
 
 
 def _activate(grid):
-    """Activate the arrays with these names as VTK's attributes, because readers before version 9.7
-    do not.
+    """Activate the arrays named in BEZIER as VTK's attributes, because readers before version 9.7 do
+    not.
     """
     from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes as attributes
 

@@ -186,7 +186,10 @@ def main(argv):
         metavar="ARRAY",
         help="contact_friction (default), contact_traction, contact_pressure, contact_state, ...",
     )
-    p.add_argument("--component", help="1 2 3 or magnitude (default 1, the x component)")
+    p.add_argument(
+        "--component",
+        help="1 2 3 or magnitude (default 1 of tractions, magnitude of other vectors)",
+    )
     p.add_argument("--axis", default="z", help="viewing direction (default z)")
     p.add_argument(
         "--range", type=float, nargs=2, metavar=("LOW", "HIGH"), help="limits of the colours"

@@ -15,7 +15,7 @@
     deck_errors.run     bad decks and their messages
     restart.run         stopped and restarted runs
     recover             the same for the runs of the quick checks (`verify --recover`)
-    soak                an hour of hostile inputs, kills, signals, limits, other units (`make soak`)
+    soak                random hostile inputs, kills, signals, limits and other units (`make soak`)
     trouble             files, signals, limits, damaged checkpoints; decks that must not go wrong silently
     performance.bench   comparison of speed with other programs (`make bench`)
 

@@ -230,7 +230,7 @@ def compared(case, quantity, got, want, tolerance):
     want = float(want)
     difference = abs(got - want)
     if tolerance is None:
-        tolerance = Tolerance()  # integers must agree exactly
+        tolerance = Tolerance()  # without a tolerance, numbers must agree exactly
     ok = (
         math.isfinite(got)
         and math.isfinite(want)

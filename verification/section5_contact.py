@@ -1,4 +1,4 @@
-"""Sections 5.2 and 5.3: run the hemisphere for every mesh, element type and friction coefficient.
+"""Corbett and Sauer 2015, 5.2 and 5.3: the hemisphere with all meshes, elements and frictions.
 
     .venv/bin/python -m verification.section5_contact --mesh 1 2 3 [--only NAME] [--jobs N] [--write]
 

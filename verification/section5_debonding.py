@@ -1,4 +1,4 @@
-"""Section 5.1: peel the strip off the plate with every element type.
+"""Corbett and Sauer 2015, section 5.1: peel the strip off the plate with every element type.
 
     .venv/bin/python -m verification.section5_debonding --mesh 1 [--only NAME] [--write] [--force]
     .venv/bin/python -m verification.section5_debonding --suite all|long [--write] [--force]

@@ -1,1 +1,1 @@
-"""The figures of the paper, drawn from committed results: `python -m post.figures.section4`."""
+"""Figures of doc/verification, drawn from committed results: `python -m post.figures.section4`."""

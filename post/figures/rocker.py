@@ -1,5 +1,5 @@
 """`make demo-rocker` makes a body from a net of quads, solves a contact problem with it, and draws
-Figures 5 to 7 of the paper for this body instead of the paper's.
+Figures 5 to 7 of Corbett and Sauer 2015 for this body instead of theirs.
 
 python -m post.figures.rocker --bezel build/release/bezel --out build/rocker
 

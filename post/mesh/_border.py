@@ -1,7 +1,7 @@
 """T-junctions where the enriched part meets the plain part, and which edges become straight there.
 
 A line is the edge of a large element together with the corners that hang on it. If a plain face
-contains a segment of a line, or a corner that hangs on it, the whole line becomes straight and its
+contains a segment of a line, or a corner that hangs on the line, the whole line becomes straight and its
 corners become plain: a corner that does not hang gets a function of its own, and one that hangs
 follows its masters. If only an end of a line is plain, the edges of the small elements along the
 line are computed again from the edge of the large element.

@@ -17,8 +17,8 @@ FACES = {
 
 
 def draw(body, stem, direction=None, cut=None):
-    """Write STEM_surface.png and STEM_cut.png (four panels, as in Figure 6 of the paper); return
-    the names of both.
+    """Write STEM_surface.png and STEM_cut.png (four panels, as in Figure 6 of Corbett and
+    Sauer 2015); return the names of both.
 
     direction: from the body to the camera; cut: normal of the cutting plane through the centre, by
     default along the shortest side of the bounding box. The part to which the normal points is cut

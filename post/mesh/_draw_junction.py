@@ -1,4 +1,4 @@
-"""A picture of one T-junction below the layer, like Figure 7 of the paper."""
+"""A picture of one T-junction below the layer, like Figure 7 of Corbett and Sauer 2015."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
-"""T-junctions below the layer, around each of which the pyramids share their peak (paper, Figure
-7).
+"""T-junctions below the layer, around each of which the pyramids share their peak (Corbett and
+Sauer 2015, Figure 7).
 
 All triangles that the mesher sees then share their points with their neighbours. The hanging point
 remains constrained.

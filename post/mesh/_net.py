@@ -251,7 +251,7 @@ def refined(net):
 def _moved(net, twin, middle, ends, number, x):
     """The old points P after the step: (F + 2 R + (n - 3) P)/n inside, where F and R are the means
     of the middles of the n quads and n edges around P, and (a + 6 P + b)/8 at a boundary, where a
-    and b are the neighbours of P on the boundary.
+    and b are the neighbours of P on the boundary. A point of the boundary with one quad does not move.
     """
     result = x.copy()
     for v, fan in fans(net.quads, twin)[0].items():

@@ -1,11 +1,12 @@
 """Bicubic elements from a net of quads: approximate Catmull-Clark patches.
 
-With P the vertices of a quad and n the valence of its vertex, a face point is the mean of P with
-weight n, its two neighbours with weight 2 and the opposite vertex with weight 1, divided by n + 5.
-An edge point is the mean of two face points, and a corner that of the face points around it (Loop
-and Schaefer 2008). At a boundary an edge point is (2 P + 1 neighbour) / 3. The rows sum to one and
-have no negative entries. Where all four corners of a quad have valence 4, they are those of the
-uniform cubic B-spline.
+Each vertex P of a quad has a face point: the mean of P with weight n, its two neighbours in the quad
+with weight 2 and the opposite vertex with weight 1, where n is the valence of P and n + 5 the sum of
+the weights. An edge point near P is the mean of the two face points of P beside the edge, and the
+corner at P is the mean of the face points around P (Loop and Schaefer 2008). On a boundary, the edge
+point is (2 P + neighbour) / 3, and the corner is the mean of two edge points. The rows of
+coefficients sum to one and have no negative entries. If all four vertices of a quad have valence 4,
+its rows are those of the uniform cubic B-spline.
 """
 
 import numpy as np

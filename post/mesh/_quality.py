@@ -14,8 +14,8 @@ TET_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
 
 
 def layer(surface, inner):
-    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the smallest value of each; empty if
-    there is no layer.
+    """{det_gauss, det_corner, scaled_gauss, scaled_corner}: the smallest value of each, and the
+    number of degenerate_corners; empty if there is no layer.
 
     Where the surface is degenerate at a corner of an element, as at a smooth extraordinary point,
     det J is zero; such corners are left out.

@@ -8,7 +8,7 @@ import numpy as np
 from post.mesh._surface import Surface
 
 GMSH = {"tets": 4, "pyramids": 7, "hexes": 5}
-VECTOR_DIGITS = 13  # coefficient vectors that agree to these digits are shared
+VECTOR_DIGITS = 13  # coefficient vectors that agree to so many decimals are shared
 
 DECK = """FEAP ** {name}
 ! made by: python -m post mesh {arguments}

@@ -98,7 +98,8 @@ contains
     yes = largest(merge(1, 0, yes)) == 1
   end function stop_wanted
 
-  !> Discard the current step, write a checkpoint of the previous one, and end with code 4.
+  !> Discard the current step, write a checkpoint, and end with code 4. The checkpoint contains the
+  !! state after the previous step or, if factors are kept, the last restart point.
   subroutine stop_run(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error

@@ -45,7 +45,8 @@ contains
       associate (record => run%program%command(i)%record)
         if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
         call fail(error, DECK_ERROR, 'RESTart comes after '//quoted(record%text(1)), &
-                  command%record%place(1), 'put it before the first TIME or TANG')
+                  command%record%place(1), 'use RESTart once, before the first TIME, TANG, UTAN, ' &
+                  //'FORM and PLOT')
       end associate
       return
     end do
@@ -128,7 +129,7 @@ contains
     call agree(error)
     if (.not. allocated(error)) return
     error%place = command%record%place(1)
-    if (error%code == DECK_ERROR) then
+    if (index(error%message, 'belongs to another model') > 0) then
       error%hint = 'the decks may differ only in loads, load tables, steps, tolerances and ' &
                    //'output, and with RESTart,file,CONStants also in the constants of materials ' &
                    //'and contacts'

@@ -213,7 +213,7 @@ contains
     if (command%option == '' .or. command%option == 'line') return
     call fail(error, DECK_ERROR, "unknown option '"//command%record%text(2)//"'", &
               command%record%place(2), &
-              'LINE chooses a line search; otherwise leave the field empty: TANG,,1')
+              'LINE chooses a line search; otherwise leave the field empty, as in TANG,,1')
   end subroutine check_option
 
   subroutine run_tolerance(run, command, error)

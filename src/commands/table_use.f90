@@ -17,7 +17,7 @@ module table_use
     integer :: table = 0               !! 0: the sum of all tables
     character(:), allocatable :: what  !! word of the load, such as MOVE
     logical :: acts = .false.          !! some load or motion of this table is not zero
-    type(place_t) :: place             !! place in the deck; without a file if it is not known
+    type(place_t) :: place             !! in the deck; `file` is not allocated if it is unknown
   end type use_t
 
 contains

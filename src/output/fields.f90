@@ -14,8 +14,8 @@ module fields
   private
   public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
 
-  !> Coefficients of the fields of contact. If a node belongs to several sides, the tractions and
-  !! slips are added, and the smallest gap and the largest state are taken.
+  !> Coefficients of the fields of contact. If a node belongs to several sides, the tractions,
+  !! pressures and slips are added, and the smallest gap and the largest state are taken.
   type :: nodal_contact_t
     real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
     real(wp), allocatable :: friction(:, :) !! (3, nnode) the part due to friction [F/L^2]
@@ -26,7 +26,8 @@ module fields
     logical, allocatable :: met(:)          !! (nnode) the node is on a side that has been smoothed
   end type nodal_contact_t
 
-  !> One field. At the points of Bezier cells its values are coefficients, and so are the positions.
+  !> One field. At the points of Bezier cells, its values are control values of the field, just as
+  !! the positions are control points.
   type :: field_t
     character(16) :: name = ''
     character(90) :: description = ''

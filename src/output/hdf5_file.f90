@@ -1,9 +1,9 @@
 !> HDF5 files for the other modules: files, groups and attributes of `hdf5_object`, and datasets.
 !!
-!! Objects are named by their path in the file (`VTKHDF/PointData/stress`). A dataset has a fixed
-!! number of rows, whose space on disk is allocated when the dataset is created. Rows that are
-!! written later therefore do not move anything in the file. The file stays readable if the program
-!! is killed, and other programs may read it during the analysis. The rule for `error` is that of
+!! Objects are named by their path in the file (`VTKHDF/PointData/stress`). When a dataset is
+!! created, space on disk is allocated for all rows that it may get. Rows that are written later
+!! therefore do not move anything in the file. The file stays readable if the program is killed,
+!! and other programs may read it during the analysis. The rule for `error` is that of
 !! `hdf5_object`.
 module hdf5_file
   use, intrinsic :: iso_c_binding, only: c_ptr, c_loc

@@ -51,7 +51,7 @@ module report_file
     integer :: steps = 0, iterations = 0, cutbacks = 0
     integer :: dofs = 0                 !! including constrained ones
     integer :: equations = 0
-    integer :: negative_pivots = 0      !! negative pivots of the last factorisation
+    integer :: negative_pivots = 0      !! negative pivots of the last converged state
     real(wp) :: peak_memory_mb = 0.0_wp
     type(named_count_t), allocatable :: element(:)
     type(named_real_t), allocatable :: seconds(:), cpu_seconds(:)

@@ -132,7 +132,8 @@ contains
     call sum_reals(archive, path, pack(values, .true.), error)
   end subroutine exchange_matrix
 
-  !> Exchange a list whose length comes from the file; a list that is not allocated is not stored.
+  !> Exchange a list. When it is read, its length comes from the file. If a list is not allocated,
+  !! only the length -1 is stored.
   subroutine exchange_list(archive, path, values, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: path

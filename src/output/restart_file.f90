@@ -3,7 +3,7 @@
 !! A new file is written next to the old one and takes the name of the old one when it is complete.
 !! There is thus always a complete file, even if the program is killed. Real numbers keep all their
 !! bits. A file is read only by the version of the program that wrote it, and for the same deck and
-!! mesh.
+!! mesh; the command RESTart also accepts another deck with the same model.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, note_input, replace_file, remove_file, FILE_REGULAR

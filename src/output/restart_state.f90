@@ -1,7 +1,7 @@
 !> The state of the analysis in a checkpoint.
 !!
 !! The procedures write the state into a group of the file or read it from there (see
-!! `restart_archive`). A state that is read must have the sizes of the model.
+!! `restart_archive`). Before it is read, `state` must have the sizes of the model.
 module restart_state
   use base_error, only: error_t
   use contact_pair, only: contact_points_t, contact_state_t, control_points_t, friction_points_t
@@ -156,7 +156,7 @@ contains
     end if
   end subroutine exchange_energy
 
-  !> Exchange the load tables; their number comes from the file.
+  !> Exchange the load tables. When they are read, their number comes from the file.
   subroutine exchange_tables(archive, group, table, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -241,8 +241,8 @@ contains
     call exchange(archive, group//'/gap', control%gap, error)
   end subroutine exchange_control
 
-  !> Exchange the points where friction acted in the previous step; their number comes from the
-  !! file.
+  !> Exchange the points where friction acted in the previous step. When they are read, their
+  !! number comes from the file.
   subroutine exchange_rubbed(archive, group, rubbed, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group

@@ -2,7 +2,8 @@
 !!
 !!   T_A = int N_A sigma dv / int N_A dv
 !!
-!! The integrals are taken over the current volume (the volume form of the smoothing of Sauer 2013).
+!! The integrals are taken over the current volume (the volume form of the smoothing of Sauer 2013),
+!! for small strains (SMALl) over the reference volume.
 !! The result is a mean with positive weights if N_A >= 0. N_A^2 replaces N_A in elements in which
 !! the integral of a function is zero or negative (quadratic tetrahedra). A constant stress is
 !! reproduced exactly.

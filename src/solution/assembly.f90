@@ -51,7 +51,7 @@ module assembly
   type :: sweep_t
     logical :: ok = .true.
     integer :: block = 0, elem = 0       !! the first element that failed
-    integer :: negative = 0              !! negative eigenvalues of condensed blocks
+    integer :: negative = 0              !! negative eigenvalues of condensed enhanced modes
     real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
     real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
     real(wp) :: largest = 0.0_wp         !! largest nodal force from one element [F]

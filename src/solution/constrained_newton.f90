@@ -26,8 +26,8 @@ module constrained_newton
   private
   public :: solve_constrained
 
-  real(wp), parameter :: NEAR = 1.0e-6_wp !! a step is at its goal within this distance, relative to
-  !! its increment
+  real(wp), parameter :: NEAR = 1.0e-6_wp !! smaller differences of the measure G count as zero,
+  !! relative to its increment in the step
 
 contains
 

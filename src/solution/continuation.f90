@@ -84,7 +84,7 @@ contains
         call fail_trial(path)
         state%dynamics%on = path%active == BY_INERTIA
         call log_line('  load control fails: '//why//'; the previous method continues, and load ' &
-                      //'control is tried again after '//to_text(path%wait)//' steps')
+                      //'control is tried again after at least '//to_text(path%wait)//' steps')
       else if (path%active == BY_RELEASE) then
         if (cut_release(path)) then
           call log_cut('releases '//to_text(100*path%release)//' % of the bonds')
@@ -257,7 +257,7 @@ contains
         path%warned = .true.
         call warn(what//' at time '//to_text(step%start_time)//'; the run continues ' &
                   //'with inertia where necessary', hint='the log says where and why; with ' &
-                  //'ARCLength,OFF in the deck the run would end here')
+                  //'ARCLength,OFF in the deck the run would end if smaller steps failed too')
       end if
       call log_line('path: '//what//' at time '//to_text(step%start_time)//': '//why)
       call log_line('path: the run continues with inertia (implicit Euler steps, density ' &

@@ -227,7 +227,7 @@ contains
     path%trial = .true.
   end subroutine begin_trial
 
-  !> End a trial that has converged: load control stays in use.
+  !> Return to load control, because a trial has converged or the other method has ended.
   pure subroutine end_trial(path)
     type(continuation_t), intent(inout) :: path
 

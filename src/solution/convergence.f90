@@ -34,9 +34,9 @@ module convergence
   real(wp), parameter :: OPPOSITE = 0.7_wp
   real(wp), parameter :: LEAST_FRACTION = 0.2_wp !! smallest fraction of a shortened increment
   !> Relative residuals to which linear systems are solved. If factors are not kept, this is
-  !! FORCING. With kept factors, an ordinary solve uses a value between FORCING_LEAST and FORCING,
-  !! an increment with prescribed motion FORCING_MOVED, and an increment with contact
-  !! FORCING_CONTACT. FORCING_LAST is for a solve that only confirms convergence, and FORCING_ALONE
+  !! FORCING. With kept factors, an ordinary solve uses a value between FORCING_LEAST and FORCING
+  !! (FORCING_CONTACT in a model with contact), and an increment with prescribed motion uses
+  !! FORCING_MOVED. FORCING_LAST is for a solve that only confirms convergence, and FORCING_ALONE
   !! for a solve that is not repeated or in which only springs or anchors hold a body.
   real(wp), parameter :: FORCING = 1.0e-3_wp, FORCING_MOVED = 1.0e-4_wp, FORCING_LAST = 0.1_wp
   real(wp), parameter :: FORCING_CONTACT = 1.0e-4_wp
@@ -248,7 +248,8 @@ contains
     if (.not. fraction > LEAST_FRACTION) fraction = LEAST_FRACTION
   end function damping
 
-  !> Record the sign of the tangent's determinant, or 0 if it is not known.
+  !> Record the sign of the tangent's determinant, or 0 if it is not known, and count the
+  !! consecutive iterations that changed it.
   pure subroutine count_flips(newton, sign)
     type(newton_t), intent(inout) :: newton
     integer, intent(in) :: sign

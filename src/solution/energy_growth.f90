@@ -26,8 +26,8 @@ module energy_growth
 
 contains
 
-  !> Before a step is accepted: if it is the first one with inertia, find the excess of the energies
-  !! over the work so far. The steps before it need not have been accurate.
+  !> Before a step is accepted: if it is the first one with inertia, find the excess of the
+  !! energies over the work so far, because earlier steps need not have been accurate.
   subroutine begin_motion(asm, model, state)
     type(assembler_t), intent(in) :: asm
     type(model_t), intent(in) :: model
@@ -37,7 +37,7 @@ contains
     moves = moves_by_deck(state) .and. allocated(asm%mass)
     associate (energy => state%energy)
       if (moves .and. .not. energy%moving) then
-        ! the static steps before it have given the velocity with which the motion begins
+        ! a motion begins from rest or with the velocities of a checkpoint
         energy%kinetic = energy_of_rate(model, asm%mass, state%dynamics%v)
         energy%excess_before = energy_at_start(model, state) + energy%kinetic - energy%outer
         energy%excess_without = excess_without_bodies(model, state)

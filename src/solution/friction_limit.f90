@@ -23,7 +23,7 @@ module friction_limit
 
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
   real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m in a supported direction
-  real(wp), parameter :: MORE = 1.0e-3_wp   !! angle beyond the cone that counts as rounding
+  real(wp), parameter :: MORE = 1.0e-3_wp   !! [rad] angle beyond the cone that counts as rounding
 
 contains
 
@@ -31,7 +31,7 @@ contains
   function sliding_text(model, body, x, load) result(text)
     type(model_t), intent(in) :: model
     type(free_body_t), intent(in) :: body(:) !! bodies that only contact can hold
-    real(wp), intent(in) :: x(:, :)          !! (3, nnode) x at the start of the step [L]
+    real(wp), intent(in) :: x(:, :)          !! (3, nnode) positions at the start of the step [L]
     real(wp), intent(in) :: load(:, :)       !! (3, nnode) [F]
     character(:), allocatable :: text
     real(wp) :: m(3), r(3), along(3), spread, largest

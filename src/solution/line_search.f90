@@ -12,8 +12,9 @@ module line_search
   !> A line search ends when the slope, relative to that at its start, is below this (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
-  !> With the schemes of integration points, an increment overshoots if the slope at its end has the
-  !! sign opposite to that at its start and is more than this many times as large.
+  !> Unless all contacts use the mortar scheme, an increment overshoots if the residual grows, and
+  !! the slope at its end has the sign opposite to that at its start and is more than this many
+  !! times as large.
   real(wp), parameter :: OVERSHOT = 4.0_wp
 
 contains

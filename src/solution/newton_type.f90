@@ -27,8 +27,8 @@ module newton_type
     logical :: converged = .false.
     logical :: exact = .true.          !! every solve of the step used the whole tangent
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
-    real(wp) :: first_energy = 0.0_wp  !! that of the first one; 0: it is only a part of the step,
-    !! or the step began with prescribed motion or a prediction [F L]
+    real(wp) :: first_energy = 0.0_wp  !! energy of the first increment of this step [F L]; 0: the
+    !! step began with prescribed motion or a prediction, or follows a constraint
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
     real(wp) :: before_solve = 0.0_wp !! residual before that solve; 0: prescribed motion [F]
     real(wp) :: expected = 0.0_wp      !! residual expected after that solve [F]

@@ -15,8 +15,8 @@ module prescribed
 contains
 
   !> Find the displacement of every prescribed dof; it is zero elsewhere. The rotations of a node
-  !! act on its reference position, in the order of the deck; then the translations of the node are
-  !! added.
+  !! act, in the order of the deck, on its reference position plus its DISP values; then the
+  !! translations of the node are added.
   subroutine prescribed_values(model, factor, up)
     type(model_t), intent(in) :: model
     real(wp), intent(in) :: factor(:)  !! (ntable)

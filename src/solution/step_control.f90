@@ -31,7 +31,8 @@ module step_control
   integer, parameter :: FAIR = 10    !! the same for a step smaller than dt
   integer, parameter :: MANY = 15    !! the next step is smaller after more iterations than this
   integer, parameter :: PATIENCE = 8 !! number of steps that stay shorter than a failed one
-  real(wp), parameter :: SHORTER = 0.75_wp !! next length after a failed step longer than dt
+  real(wp), parameter :: SHORTER = 0.75_wp !! largest length of these steps, relative to the failed
+  !! one, if this is longer than dt
 
 contains
 

@@ -44,7 +44,7 @@ def record(direction, values):
 
 
 def patch(name, geometry, face, kind, along, depth, flat, material):
-    """The block of a body, refined in its third direction towards the face in contact."""
+    """The records of a PATCh, refined in its third direction towards the face in contact."""
     across = depth if face == "3-" else [1 - v for v in reversed(depth)]
     lines = [f"PATCh,{name}", f"  {geometry}", record(1, along)]
     lines += [f"  ELEMents {len(along) + 1} 1 {len(depth) + 1}"] if flat else [record(2, along)]

@@ -4,8 +4,8 @@
 
 Every <name>.inp beside this file is run as `bezel -o FOLDER <name>.inp`. It must end with code 1,
 print the text of <name>.expected on standard error and write no file. A file <name>.args contains
-further arguments. Inputs that cannot be committed as files (a folder, a pipe, a file without read
-permission) are made here.
+further arguments. Inputs that cannot be committed as files (a missing file, a folder, a pipe) are
+made here.
 """
 
 from __future__ import annotations

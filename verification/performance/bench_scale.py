@@ -69,7 +69,7 @@ This section is an estimate; nothing in it was run. Its constants are those meas
 - **The factors** of $10^7$ equations ($n = {n_big}$) take {factors_big:,.0f} GiB in single precision, by the power 4/3, and {hours_big:,.0f} hours on one core of the
   machine used, by the power 2. On a thousand ranks with an efficiency of 0.5, one factorisation would take {minutes_big:.1f} minutes.
 - **The root front** belongs to a separator of about $3 n^2$ = {root:,.0f} unknowns and takes {root_gb:.1f} GiB in single precision. MUMPS distributes it in two
-  dimensions only with ScaLAPACK, which bezel switches off because only the usual elimination counts negative pivots. At the measured rate of dgemm
+  dimensions only with ScaLAPACK, which bezel switches off because only the usual elimination counts negative pivots. At twice the measured rate of dgemm (single precision)
   one rank takes {root_minutes:.1f} minutes for it, so no number of ranks can be more than {speed_up:,.0f} times as fast as one.
 - **The replicated state:** with `MPI=1` every rank stores mesh, state and pattern, which is {state_gb:.0f} GiB for $10^7$ equations. A node with 64 ranks would
   need {node_gb:,.0f} GiB for that alone, so this design is limited to a few ranks per node with several threads each. Larger models need a
@@ -146,7 +146,9 @@ def extrapolate(rows):
 
 
 def on_paper(row, check, dgemm):
-    """The estimates for 1e7 equations; dgemm is the measured rate in single precision."""
+    """The estimates for 1e7 equations; dgemm is the rate in single precision [FLOP/s], estimated as
+    twice the measured one in double precision.
+    """
     growth = 1e7 / row["equations"]
     n = row["n"] * growth ** (1 / 3)
     root = 3 * n**2

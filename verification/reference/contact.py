@@ -2,7 +2,8 @@
 
 Each side is integrated separately: the traction at a point of side k depends on its foot on side l,
 and loads side k only. The traction is differentiated by complex steps in the vectors on which it
-depends. The foot is found by one Newton step, whose first derivative is exact.
+depends. For this purpose, it includes one Newton step from the foot, which does not move the foot but
+has its exact first derivative.
 """
 
 import numpy as np

@@ -13,8 +13,9 @@ reference:
     traction   largest smoothed t_x of each side, 120 to 180 degrees
 
 They are errors relative to benchmark/tradeoff/reference.csv (which `--reference` computes anew in
-half an hour), and relative to the run `beside`, which differs in one setting. CPU seconds are
-divided by those of an ordinary run made immediately afterwards.
+half an hour), and relative to the run `beside`, which differs in one setting. The column `ratio`,
+which is given only for other schemes, solvers and tangents, is the CPU seconds divided by those of
+the ordinary run, made immediately afterwards.
 """
 
 import argparse

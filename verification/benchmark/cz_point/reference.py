@@ -4,7 +4,7 @@ step.
     python -m verification.benchmark.cz_point.reference
 
 The path of the opening is that of batch.inc. The laws are those of Corbett and Sauer 2015, eq.
-(31); of van den Bosch et al. 2006, with the largest openings in place of the current ones; and of
+(31); of van den Bosch et al. 2006, with the largest openings in the factors for the damage; and of
 Park, Paulino and Roesler 2009, whose tractions are the derivatives of a potential, computed here by
 complex steps so that the reference does not rely on derivatives by hand.
 """

@@ -71,8 +71,8 @@ class Solution:
         return {"volume": mises[:n], "face": mises[n:]}
 
     def errors(self, best):
-        """{column: relative L2 error}; on the face, only the displacement along its normal is
-        compared.
+        """{column: relative L2 error}; of the displacements on the face, only the component along
+        its normal is compared.
         """
         x, u, w = self.samples(on_face=False)
         found = {"displacement_volume": _norm(u - best.at(x), w) / _norm(best.at(x), w)}

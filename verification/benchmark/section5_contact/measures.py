@@ -101,7 +101,7 @@ def tractions(rows):
 
 
 def slopes(have, key, value):
-    """Slopes over the number of dofs between successive meshes, on logarithmic scales."""
+    """Minus the slopes over the number of dofs between successive meshes, on logarithmic scales."""
     got = [have.get(key(m)) for m in MESHES]
     return [
         f"{-np.log(value(b) / value(a)) / np.log(b.dofs / a.dofs):.2f}" if a and b else "-"
@@ -145,8 +145,8 @@ def defects(run):
 
 
 def force(runs):
-    """Without friction: the mean force on the hemisphere and on the block, and the error of the
-    mean of both.
+    """Without friction: the mean force on the hemisphere and on the block, the error of the mean of
+    both, and the variation of the force on the hemisphere during the turn.
     """
     plain = Runs(list(runs.values()), False)
     reference, words = reference_force(plain)
@@ -218,8 +218,8 @@ def all_sliding_from(run):
 
 
 def from_angle(run, side, share):
-    """The angle beyond which at most this share of the points of a side sticks, or 180 if there is
-    none.
+    """The angle beyond which at most this share of the points of a side sticks: the last
+    angle of the run if there is none, 0 if the share is never larger.
     """
     shares, turned = sticking(run, side)
     above = np.flatnonzero((shares > share) & (turned > 0))

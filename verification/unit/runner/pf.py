@@ -2,7 +2,7 @@
 
 usage: pf.py test IN.pf OUT.f90         one module of tests
        pf.py join IN.pf OUT.pf          each assertion on one line, as pFUnit's own translator requires
-       driver OUT.f90 IN.pf ...   the program that runs all tests
+       pf.py driver OUT.f90 IN.pf ...   the program that runs all tests
 
 The subset consists of @test, @before and @after on a line of their own before a subroutine without
 arguments, and of the assertions of funit.f90. Line numbers are preserved, so the compiler's
