@@ -117,7 +117,8 @@ contains
     end do
   end function in_contact
 
-  !> Mark the nodes of body a that lie on a face of body b and do not belong to b.
+  !> Mark the nodes of body a that lie on a face of body b, up to the distance that flat elements of
+  !! one curved surface have, and do not belong to b.
   subroutine find_loose(mesh, a, b, skin, near, on)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a, b
@@ -138,7 +139,8 @@ contains
         seen(node) = .true.
         foot%elem = 0
         call project(skin(b)%surface, skin(b)%shape, skin(b)%grid, mesh%xr(:, node), foot, near)
-        on(node) = foot%elem > 0
+        if (foot%elem == 0) cycle
+        on(node) = abs(foot%gap) <= max(near, CURVED*face_width(skin(b), foot%elem))
       end associate
     end do
   end subroutine find_loose
@@ -165,6 +167,7 @@ contains
             foot%elem = 0
             call project(other%surface, other%shape, other%grid, x, foot, reach)
             if (foot%elem == 0) cycle
+            if (abs(foot%gap) > reach) cycle
             if (all(foot%free) .and. dot_product(foot%n, n) < OPPOSITE*norm2(n)) return
           end do
         end do
