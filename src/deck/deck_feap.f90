@@ -146,7 +146,7 @@ module deck_feap
     advice_t('four ther', 'there are no temperatures'), &
     advice_t('geom', 'FINIte strains include the geometric stiffness; remove this record'), &
     advice_t('mass', 'MASS is a command between BATCh and END; DENSity gives the mass'), &
-    advice_t('mixe', 'ENHAnced elements do not lock'), &
+    advice_t('mixe', 'ENHAnced elements lock much less than DISPlacement elements'), &
     advice_t('nonl', 'use FINIte with ELAStic NEOHook for large deformations'), &
     advice_t('pres', 'PRESsure is a word of the mesh part, not a record of MATErial'), &
     advice_t('quad', 'QUADrature is a record of PATCh') ]
