@@ -18,7 +18,8 @@ module definiteness
   public :: is_still_definite
 
   integer, parameter :: MOST = 8          !! largest number of iterations
-  real(wp), parameter :: SHARE = 0.1_wp   !! allowed residual, relative to the share of one mode
+  !> Allowed residual, relative to |load|/sqrt(neq), the mean share of a mode in the load.
+  real(wp), parameter :: SHARE = 0.1_wp
 
 contains
 
@@ -27,7 +28,7 @@ contains
     integer, intent(in) :: eq(:, :)            !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver   !! with factors that have no negative pivot
     real(wp), allocatable, intent(inout) :: load(:) !! (neq) if not allocated, it is made here
-    logical, intent(out) :: definite           !! .false.: not known; exact factors must decide
+    logical, intent(out) :: definite           !! .false.: not known; new factors must decide
     integer, intent(inout) :: iterations       !! number of solves with the factors so far
     type(error_t), allocatable, intent(out) :: error
     type(krylov_report_t) :: run

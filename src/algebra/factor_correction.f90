@@ -1,8 +1,8 @@
 !> Corrects kept factors at the nodes where the matrix has changed most, usually nodes in contact.
 !!
 !! The kept factors M give an approximate solution for the whole matrix A. Then the equations S of
-!! all nodes whose stiffness has changed since M was made are solved exactly with the current block
-!! A_SS:
+!! all nodes whose diagonal block has changed by more than CHANGED since M was made are solved
+!! exactly with the current block A_SS:
 !!
 !!   z = M^-1 r,   z_S <- z_S + A_SS^-1 (r - A z)_S .
 !!
@@ -30,7 +30,7 @@ module factor_correction
 
   type :: correction_t
     logical :: acts = .false.              !! it is used for the current matrix
-    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal of A for M
+    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal blocks of A for M
     integer, allocatable, private :: eq(:, :)        !! (3, nnode) numbers in A_SS, 0: not in S
     integer, allocatable, private :: whole(:)        !! (ns) numbers of these equations in A
     integer, allocatable, private :: col(:)          !! pattern of the last analysis

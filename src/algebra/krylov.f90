@@ -20,7 +20,8 @@ module krylov
     real(wp) :: residual = 0.0_wp      !! |b - A x| / |b|, computed rather than estimated
   end type krylov_report_t
 
-  integer, parameter :: MOST_CYCLES = 5 !! largest number of restarts with the true residual
+  !> Largest number of cycles of conjugate gradients; each cycle starts from the true residual.
+  integer, parameter :: MOST_CYCLES = 5
   real(wp), parameter :: SLACK = 0.5_wp !! a cycle must at least halve the residual
 
 contains
@@ -28,7 +29,7 @@ contains
   !> Solve by preconditioned conjugate gradients for a symmetric matrix; x starts at zero.
   !!
   !! Each search direction is explicitly made conjugate to the previous one (the flexible form), so
-  !! that the preconditioner may be unsymmetric up to rounding.
+  !! that the preconditioner may be slightly unsymmetric because of rounding.
   !! Source: Golub and Ye 1999 [bib: golub1999]
   subroutine conjugate_gradients(a, eq, solver, b, x, limit, tolerance, report, error, hurries)
     type(block_matrix_t), intent(in) :: a
@@ -144,8 +145,8 @@ contains
     end do
   end subroutine gmres
 
-  !> May the solver give up early, and would it need more than `limit` iterations, judging by the
-  !! digits gained so far?
+  !> May the solver give up early, and would it need more than ALLOWANCE times `limit` iterations,
+  !! judging by the digits gained so far?
   pure logical function is_slow(reached, tolerance, iterations, limit, hurries)
     real(wp), intent(in) :: reached    !! relative residual
     real(wp), intent(in) :: tolerance
@@ -190,11 +191,12 @@ contains
     r = b - r
   end subroutine true_residual
 
-  !> Does the iteration stop after this cycle? It stops if it has reached its goal or its limit, or
-  !! if it has stagnated.
+  !> Does the iteration stop after this cycle? It stops if it has reached its goal, if it was
+  !! exhausted (limit, slow convergence or negative curvature), or if it has stagnated.
   !!
   !! Rounding alone leaves a residual of about eps |A| |x|, which may be above the goal if |x| is
-  !! large (slender bodies). A residual that cannot be improved is accepted as converged.
+  !! large (slender bodies). If the iteration stops with a residual of this size, it is accepted as
+  !! converged.
   logical function stops(a, eq, b, x, r, goal, before, exhausted, report)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)

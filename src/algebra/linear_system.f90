@@ -6,8 +6,8 @@
 !!          factorisation.
 !! SINGLE:  does the same with factors in single precision, which need half the memory.
 !! LOWRANK: does the same with compressed factors.
-!! AUTO:    is the same as FULL if a factorisation costs no more than a few iterations, and the
-!!          same as SINGLE otherwise.
+!! AUTO:    is the same as FULL if a factorisation costs at most as much as KEEPING iterations, and
+!!          the same as SINGLE otherwise.
 !!
 !! If memory is too short, AUTO tries factors in single precision, then compressed factors, then
 !! factors on disk; the other modes, except LOWRANK, write the factors to disk right away.

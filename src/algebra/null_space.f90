@@ -23,9 +23,9 @@ module null_space
 
 contains
 
-  !> Find out whether the matrix that was just factorised is regular; if so, `null` stays empty.
-  !! Otherwise `null` gets one equation for each free motion, such that supports at these equations
-  !! would prevent the motions.
+  !> Find out whether the matrix that was just factorised is regular; if so, `null` is not
+  !! changed. Otherwise `null` gets one equation for each free motion, such that supports at these
+  !! equations would prevent the motions.
   !!
   !! If approximate factors do not give a clear answer, the matrix is reported as singular, and
   !! exact factors must decide.

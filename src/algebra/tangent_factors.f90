@@ -37,7 +37,7 @@ module tangent_factors
     logical :: factorised = .false.        !! the matrix was factorised in this call
     logical :: converged = .false.         !! the tolerance was met as far as rounding allows
     logical :: singular = .false.          !! there is no solution, and x is zero; see `null`
-    integer, allocatable :: null(:)        !! equations whose pivot vanished
+    integer, allocatable :: null(:)        !! one equation for each free motion; empty: regular
     integer :: iterations = 0              !! solves with the factors, including failed attempts
     integer :: factorisations = 0          !! number of factorisations in this call
     logical :: used_single = .false.       !! the last factors are in single precision

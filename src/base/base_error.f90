@@ -144,7 +144,8 @@ contains
     text = text//'^'//repeat('~', n - 1)
   end function head
 
-  !> The text without control characters, which would disturb the terminal; tabs are kept.
+  !> The text with `?` in place of each control character, which could disturb the terminal; tabs
+  !! are kept.
   pure function visible(text) result(plain)
     character(*), intent(in) :: text
     character(len(text)) :: plain

@@ -272,7 +272,8 @@ contains
       if (c_lockf(lock%fd, F_TLOCK, 0_c_long) /= 0) then
         failed = c_close(lock%fd)
         call fail(error, SYSTEM_ERROR, "another run is using '"//path//"'", &
-                  hint='wait for it, or give this run another folder (-o) or name (--name)')
+                  hint='wait until that run has ended, or give this run another folder (-o) or ' &
+                  //'name (--name)')
         return
       end if
       ! Between these two calls, the previous holder of the lock may have removed the file. A lock

@@ -1,8 +1,8 @@
 !> Arrays that grow while they are filled; old entries are kept, and new ones are zero or false.
 !!
 !! The size at least doubles each time, so that, on average, an entry is copied about once while n
-!! entries are added one by one. The caller keeps the number of entries in use. Arrays that are
-!! filled together always have the same size.
+!! entries are added one by one. The caller keeps the number of entries in use. Arrays that grow at
+!! the same time for the same numbers of entries have equal sizes.
 module base_grow
   use base_error, only: place_t
   use base_kinds, only: wp

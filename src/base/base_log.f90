@@ -32,7 +32,8 @@ module base_log
 
 contains
 
-  !> Show no warnings, no progress and no summary on the screen; warnings still go to the log.
+  !> If `yes`, show no warnings, notes, progress or summary on the screen; warnings and notes still
+  !! go to the log.
   subroutine set_quiet(yes)
     logical, intent(in) :: yes
 

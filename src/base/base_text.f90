@@ -14,7 +14,7 @@ module base_text
     module procedure integer_text, long_text, real_text
   end interface to_text
 
-  !> This name is generic because Fortran has an intrinsic function of the same name.
+  !> `nearest` is a generic name, because Fortran has an intrinsic function with this name.
   interface nearest
     module procedure nearest_word
   end interface nearest

@@ -131,8 +131,8 @@ contains
     list = timers%timer(:timers%n)%name
   end function names
 
-  !> A table with one line for each timer: calls, wall and processor seconds, and share of the
-  !! total.
+  !> A table with one line for each timer (calls, wall and processor seconds, and share of the total
+  !! wall time) and a last line with the total times.
   function table(timers) result(text)
     class(timers_t), intent(in) :: timers
     character(:), allocatable :: text

@@ -104,8 +104,8 @@ contains
     file%stream = c_null_ptr
   end subroutine close_bytes
 
-  !> Write a small file under a temporary name and then rename it, so that it is either complete or
-  !! absent.
+  !> Write a small file under a temporary name and then rename it, so that an incomplete file never
+  !! appears at the path.
   subroutine write_whole(path, text, error)
     character(*), intent(in) :: path, text
     type(error_t), allocatable, intent(out) :: error

@@ -59,8 +59,8 @@ contains
       if (line <= source%nline) then
         if (verify(source%text(source%first(line):source%last(line)), BLANKS) > 0) cycle
       end if
-      call reject(cutter, cutter%at, 'a record ends with ''&'', but no line follows', &
-                  'remove the ''&''')
+      call reject(cutter, cutter%at, 'a record ends with ''&'', but the next line is blank or ' &
+                  //'missing', 'remove the ''&'', or continue the record on the next line')
       exit
     end do
     record%file = source%path

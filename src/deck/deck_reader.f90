@@ -17,7 +17,7 @@ module deck_reader
   integer, parameter :: MOST_FILES = 16         !! largest depth of nested INCLude records
   integer, parameter :: MOST_LOOPS = 10         !! largest depth of nested loops
   integer, parameter :: MOST_PASSES = 1000000   !! largest number of passes of one loop
-  integer, parameter :: MOST_REPEATED = 10000000 !! limit on records in loops, repeated lines
+  integer, parameter :: MOST_REPEATED = 10000000 !! limit on `repeated`
   integer, parameter :: MOST_INCLUDED = 100000   !! largest number of INCLude records executed
 
   !> A file that is being read.
@@ -39,7 +39,7 @@ module deck_reader
     private
     type(source_list_t) :: files !! every file of the deck that has been read
     integer :: nframe = 0, nloop = 0
-    integer :: repeated = 0      !! records read in loops, and lines of files included again
+    integer :: repeated = 0      !! records read in loops, plus lines of files included again
     integer :: nincluded = 0     !! INCLude records executed
     type(frame_t) :: frame(MOST_FILES)
     type(loop_t) :: loop(MOST_LOOPS)

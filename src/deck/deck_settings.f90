@@ -44,7 +44,8 @@ contains
       call compute(none, text(equal + 1:), list(i)%value, trouble)
       if (.not. allocated(trouble)) cycle
       call fail(error, DECK_ERROR, 'in '//quoted('--set '//text)//': '//trouble%message, &
-                hint='write --set name=value')
+                hint='write --set name=value, where the value is a number or an expression ' &
+                //'without parameters')
       return
     end do
   end subroutine read_settings
@@ -94,7 +95,7 @@ contains
         hint = 'the deck sets no parameters'
       end if
       call fail(error, DECK_ERROR, 'the deck does not set parameter '//quoted(list(i)%name) &
-                //', which --set changes', hint=hint)
+                //', to which --set gives a value', hint=hint)
       return
     end do
   end subroutine check_used

@@ -204,7 +204,7 @@ contains
     end if
   end subroutine get_real
 
-  !> Get field i as an integer.
+  !> Get field i as an integer. Empty and missing fields are treated as by get_real.
   subroutine get_integer(deck, record, i, n, error, default)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: record

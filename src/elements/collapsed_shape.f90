@@ -71,7 +71,8 @@ contains
     end do
   end subroutine unfold_rule
 
-  !> Set the rule of a collapsed element: 2 x 2 x 2 points of the cube, or as QUADrature specifies.
+  !> Set the rule of a collapsed element: n x n x n points of the cube, where n is the larger one of
+  !! the two numbers of QUADrature, but at least 2.
   subroutine collapsed_rule(cell, q, qz, rule)
     type(cell_t), intent(in) :: cell
     integer, intent(in) :: q, qz

@@ -52,7 +52,7 @@ module element_type
   !> Outcome of `form` for one element.
   type :: form_report_t
     logical :: ok = .true.          !! .false.: inverted element or singular condensation
-    integer :: negative = 0         !! number of negative eigenvalues of the condensed block
+    integer :: negative = 0         !! number of negative eigenvalues of K_aa (element_form_i)
     real(wp) :: enhanced = 0.0_wp   !! |r_a . K_aa^-1 r_a|: energy of the enhanced residual [F L]
   end type form_report_t
 

@@ -1,8 +1,8 @@
 !> SURFACE: an element of a spline surface without a body, for rigid surfaces. It has no unknowns.
 !!
 !! Nodes:  control points, in the order of the operator of the element
-!! Faces:  only zeta+ (6), whose outward normal is a_1 x a_2, with a_1 and a_2 the tangents along xi
-!!         and eta
+!! Faces:  only zeta+ (6) is used; its outward normal is a_1 x a_2, where a_1 and a_2 are the
+!!         tangents along xi and eta
 !! Cell:   a Bezier quadrilateral of VTK, which represents the surface exactly
 module elmt_surface
   use base_kinds, only: wp

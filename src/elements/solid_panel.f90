@@ -10,8 +10,8 @@ module solid_panel
 
 contains
 
-  !> Add G_i lam G_j^T + G_j mus G_i^T to p_ij, i <= j, where G_i is the panel of direction i. These
-  !! are the parts lam g_a x g_b + mus g_b x g_a of the tangent.
+  !> Add G_i w lam G_j^T + G_j w mus G_i^T to p_ij, i <= j, where G_i is the panel of direction i.
+  !! These are the parts lam g_a x g_b + mus g_b x g_a of the tangent.
   pure subroutine add_moduli(first, n, nq, g, w, lam, mus, p)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
@@ -43,7 +43,7 @@ contains
     end do
   end subroutine add_moduli
 
-  !> Add B^T c B to p (all blocks), where c is a full 6 x 6 tangent.
+  !> Add sum_q w B^T c B to p (all blocks), where c is a full 6 x 6 tangent.
   pure subroutine add_general(first, n, nq, g, w, c, p)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq
@@ -75,7 +75,7 @@ contains
     end do
   end subroutine add_general
 
-  !> Add g_a . (tau + mus 1) g_b to s.
+  !> Add sum_q w g_a . (tau + mus 1) g_b to s(a, b).
   pure subroutine add_symmetric(first, n, nq, g, w, tau, mus, s)
     logical, intent(in) :: first !! set the sums instead of adding to them
     integer, intent(in) :: n, nq

@@ -51,7 +51,8 @@ contains
     end do
   end subroutine deform
 
-  !> Compute the inverse and the determinant of the reference map at the centre.
+  !> Compute the inverse and the determinant of J0, the derivative of the reference position with
+  !! respect to the parent coordinates at the centre.
   pure subroutine centre_map(nen, dshp0, xr, inverse, jac, ok)
     integer, intent(in) :: nen
     real(wp), intent(in) :: dshp0(3, nen)  !! parent derivatives at the centre

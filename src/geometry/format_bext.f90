@@ -1,10 +1,11 @@
 !> BEXT 2.0 text files of extracted surfaces, in the format that *IGA_INCLUDE_BEZIER of LS-DYNA
 !! reads.
 !!
-!! The reader uses the sizes, the control points, the elements (in groups with equal sizes), and the
-!! dense and sparse coefficient vectors that the elements share. Everything after the vectors is
-!! ignored. Numbers are separated by blanks, and `$` starts a comment. `etype`, which is 0 or 1 in
-!! files of tensor-product elements, is ignored.
+!! The reader uses the sizes, the control points, the elements (in groups with equal degrees and
+!! numbers of functions), and the dense and sparse coefficient vectors that the elements share.
+!! Everything after the vectors is ignored. Numbers are separated by blanks, and `$` starts a
+!! comment. The element type (`etype`), which is 0 or 1 in files of tensor-product elements, is
+!! ignored.
 !! Source: LS-DYNA keyword manual, *IGA_INCLUDE_BEZIER
 module format_bext
   use base_error, only: error_t
@@ -42,8 +43,8 @@ module format_bext
 
 contains
 
-  !> Read the whole file: pid nn ne ncv wfl in its first line, then control points, elements and
-  !! vectors.
+  !> Read the whole file: after the head, the number of the patch, the numbers of control points,
+  !! elements and vectors, and the weight flag; then the control points, elements and vectors.
   subroutine read_bext(text, surface, error)
     type(text_t), intent(inout) :: text
     type(spline_surface_t), intent(out) :: surface
@@ -68,7 +69,7 @@ contains
       if (rational == 0 .and. abs(x(4) - 1.0_wp) > 0.0_wp) then
         call fail_in_file(text, 'control point '//to_text(i)//' has the weight '//to_text(x(4)) &
                           //', but the weight flag is 0', error, 'the weight flag, the fifth ' &
-                          //'number of the file, must be 1 if control points have weights')
+                          //'number after '''//BEXT_HEAD//''', must be 1 if weights differ from 1')
       else
         call add_point(text, x, surface, error)
       end if
@@ -84,8 +85,9 @@ contains
     call finish_surface(text, surface, error)
   end subroutine read_bext
 
-  !> Read the number of groups, neb; then etype ne nn ncv pr ps of each group; then the control
-  !! points and vectors of each element.
+  !> Read the number of groups; then, for each group, the element type, the number of elements,
+  !! their numbers of control points and vectors, and their two degrees; then the numbers of the
+  !! control points and vectors of each element.
   subroutine read_elements(text, nelem, elements, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: nelem           !! expected number
@@ -102,7 +104,8 @@ contains
       if (words_left(text) /= 6) then
         call fail_in_file(text, 'expected 6 numbers for a group of elements, found ' &
                           //to_text(words_left(text)), error, &
-                          'expected ''etype ne nn ncv pr ps'', where pr and ps are degrees')
+                          'expected the type and number of elements, their numbers of control ' &
+                          //'points and vectors, and their two degrees')
         return
       end if
       call next_integer(text, 'an element type', etype, error)
@@ -144,8 +147,8 @@ contains
     end do
   end subroutine read_elements
 
-  !> Read the numbers of dense and sparse blocks, ndcvb nscvb; then the number and length of the
-  !! vectors of each block; then the dense vectors, and the sparse ones. For a sparse vector,
+  !> Read the number of blocks of dense vectors and that of sparse ones; then the number and length
+  !! of the vectors of each block; then the dense vectors, and the sparse ones. For a sparse vector,
   !! `length` is the number of its entries, and the file gives their positions and then their
   !! values. The full length of a sparse vector is known only from the elements that use it.
   subroutine read_vectors(text, nvector, vectors, error)

@@ -97,9 +97,11 @@ contains
           call fail_in_file(text, name//' has no volume', error, 'all of its nodes lie in one ' &
                             //'plane: remove the element, or generate the mesh again')
         else
-          call fail_in_file(text, name//' is inverted', error, 'reverse the order of its nodes ' &
-                            //'(in Gmsh: ReorientMesh Volume); if the element is curved, make it ' &
-                            //'straight (Mesh.ElementOrder = 1)')
+          call fail_in_file(text, name//' is inverted', error, 'number the corners of its ' &
+                            //'lower face (1 2 3 or 1 2 3 4) counter-clockwise as seen from its ' &
+                            //'other corners; if they are already so, the element is distorted: ' &
+                            //'improve the mesh, or make curved elements straight (in Gmsh: ' &
+                            //'Mesh.ElementOrder = 1)')
         end if
         return
       end do

@@ -43,7 +43,8 @@ contains
         if (last /= n + p + 1 .or. n < p + 1) then
           call fail(error, DECK_ERROR, of//' has '//to_text(last)//' knots for '//to_text(n) &
                     //' control points and degree '//to_text(p), place, &
-                    'there must be as many knots as control points, plus the degree plus 1')
+                    'there must be at least degree + 1 control points, and as many knots as ' &
+                    //'control points, plus the degree plus 1')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
           call fail(error, DECK_ERROR, 'the knots in '//of//' are not in ascending order', place, &
                     'list them in ascending order; a knot may be repeated')
@@ -96,7 +97,8 @@ contains
     else
       call fail(error, DECK_ERROR, "patch '"//name//"' has no volume in knot span " &
                 //to_text(bad(1))//' '//to_text(bad(2))//' '//to_text(bad(3)), place, &
-                'check its control points, or use more elements or another order')
+                'check the control points of NPATch or FILE; for HEMIsphere, use more elements ' &
+                //'or another order')
     end if
   end subroutine check_orientation
 
@@ -124,8 +126,8 @@ contains
     v = (knots(1) + knots(size(knots))) - u(size(u):1:-1)
   end function mirrored
 
-  !> Find the smallest and the largest Jacobian of a patch, each multiplied by the size of its knot
-  !! span, and the span with the smallest one.
+  !> Find the smallest and the largest Jacobian of a patch, with respect to the parent coordinates
+  !! of its knot spans in [-1,1]^3, and the span with the smallest one.
   subroutine jacobian_range(patch, least, most, bad)
     type(nurbs_t), intent(in) :: patch
     real(wp), intent(out) :: least, most
@@ -152,8 +154,8 @@ contains
     end do
   end subroutine jacobian_range
 
-  !> Find the smallest and the largest Jacobian at the Gauss points of a knot span, multiplied by
-  !! the size of the span. Values that may be rounding errors are taken as zero.
+  !> Find the smallest and the largest Jacobian at the Gauss points of a knot span, with respect to
+  !! its parent coordinates. Values that may be rounding errors are taken as zero.
   function span_jacobian(patch, k) result(range)
     type(nurbs_t), intent(in) :: patch
     integer, intent(in) :: k(3)

@@ -46,7 +46,7 @@ module patch_spec
     real(wp) :: scale = 0.0_wp     !! factor of SCALe; 0: not a SCALe record
   end type placement_t
 
-  !> Interior knots of one direction, as KNOTs gives them.
+  !> A list of knots of one direction, such as the interior knots that KNOTs gives.
   type, public :: knot_list_t
     real(wp), allocatable :: u(:)
   end type knot_list_t

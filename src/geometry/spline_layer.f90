@@ -58,7 +58,8 @@ contains
     do i = 1, nelem
       if (inner(1, i) /= 0) cycle
       call fail_in_file(text, 'element '//to_text(i)//' has no record', error, &
-                        'the surface has '//to_text(nelem)//' elements')
+                        'each of the '//to_text(nelem)//' elements of the surface must have one ' &
+                        //'record')
       return
     end do
   end subroutine read_layer

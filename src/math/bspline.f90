@@ -1,11 +1,11 @@
 !> B-splines in one direction: functions, Bezier extraction, knot insertion, degree elevation,
 !! interpolation.
 !!
-!! Everything follows from the blossom (polar form) of a polynomial segment: `blossom` gives the
-!! weights of the p+1 local control points in f(t_1, ..., t_p). With equal arguments, the blossom
-!! evaluates the spline; with new knots as arguments, it inserts these knots or raises the degree;
-!! with the ends of a span as arguments, it gives the Bezier points of the span. All of these
-!! operations are exact.
+!! Everything follows from the blossom (polar form) f(t_1, ..., t_p) of a polynomial segment of
+!! degree p: `blossom` gives the weights of the p+1 local control points in the value of f. With
+!! equal arguments, the blossom evaluates the spline; with new knots as arguments, it inserts these
+!! knots or raises the degree; with the ends of a span as arguments, it gives the Bezier points of
+!! the span. All of these operations are exact up to rounding.
 !! Source: Ramshaw 1989; Goldman and Lyche 1993; Borden et al. 2011 (Bezier extraction).
 module bspline
   use base_kinds, only: wp

@@ -22,8 +22,8 @@ module energy_type
     !> Excess of the energies of bodies, contacts and motion over the work done by loads and
     !! supports, before the first step with inertia [F L].
     real(wp) :: excess_before = 0.0_wp
-    !> Excess of the energies of contacts and motion over the work done on them, without bodies, at
-    !! the same time [F L].
+    !> Excess of the energies of contacts and motion over the work done against contact forces and
+    !! inertia, at the same time [F L].
     real(wp) :: excess_without = 0.0_wp
     real(wp) :: largest = 0.0_wp      !! largest energy of bodies, contacts and motion [F L]
     real(wp) :: growth = 0.0_wp       !! largest rise of the excess above `excess_before` [F L]

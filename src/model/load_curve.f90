@@ -131,8 +131,8 @@ contains
     end select
   end function table_slope
 
-  !> Factor of a load number. The factor of number 0 is the sum of all tables (as in FEAP). Without
-  !! any table, all factors are 1.
+  !> Factor of a load number. The factor of number 0 is the sum of all tables (as in FEAP), and that
+  !! of a number without a table is 0. If there are no tables at all, all factors are 1.
   pure function load_factor(factor, number) result(f)
     real(wp), intent(in) :: factor(:)  !! (ntable) current factors
     integer, intent(in) :: number

@@ -41,7 +41,7 @@ module mesh
     integer, allocatable :: number(:)    !! (nelem) number of the element as shown to the user
     type(extraction_t) :: ext
     type(rule_t) :: rule
-    type(basis_t), allocatable :: basis(:) !! functions of each distinct class
+    type(basis_t), allocatable :: basis(:) !! functions of each class of elements (model_basis)
     integer, allocatable :: ibasis(:)      !! (nelem) class of each element
   end type block_t
 

@@ -47,7 +47,7 @@ module model
     !> Equation numbers of the free dofs; 0: the dof is prescribed.
     integer, allocatable :: eq(:, :)     !! (3, nnode)
     integer :: neq = 0
-    integer :: ndof = 0                  !! dofs of nodes in use, both free and prescribed
+    integer :: ndof = 0                  !! dofs of nodes in use, without those of rigid bodies
   end type model_t
 
   !> History of one block; see element_form_i.
