@@ -53,7 +53,8 @@ contains
     end do
   end subroutine note_matrix
 
-  !> Make the correction for a matrix. It is not used if nothing or too much has changed.
+  !> Make the correction for a matrix. It is not used if nothing or too much has changed,
+  !! if it would cost too much, or if there is too little memory.
   subroutine correct(correction, a, eq, most, error)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a

@@ -11,7 +11,7 @@ module patch_nurbs
   private
   public :: check_nurbs, check_orientation, turn_right_handed, mirrored
 
-  integer, parameter, public :: MAX_DEGREE = 10 !! largest degree of any surface or solid
+  integer, parameter, public :: MAX_DEGREE = 10 !! largest degree in a deck or file
 
 contains
 
