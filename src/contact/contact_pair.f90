@@ -21,7 +21,7 @@ module contact_pair
   integer, parameter, public :: MORTAR = 3   !! points of cells and control points load both sides
 
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
-  !! [-1,1]^2, whose first direction varies fastest. Facets and Lagrange patches are written this
+  !! [-1,1]^2, whose first direction varies fastest. Faces of Lagrange elements are written this
   !! way too.
   type :: surface_basis_t
     integer :: degree(2) = 1
@@ -258,7 +258,7 @@ contains
     associate (d => contact%normal%prop(SMOOTHING))
       if (d > 0.0_wp) text = text//', smoothed up to a penetration of '//to_text(d)
     end associate
-    if (contact%on_pair) text = text//', between partners while they are bonded'
+    if (contact%on_pair) text = text//', between bonded points and their partners until release'
     if (contact%taper > 0.0_wp) text = text//', tapered towards edges over ' &
                                        //to_text(contact%taper)//' of the width of an element'
     if (contact%scheme == BALANCED) text = text//', balanced'

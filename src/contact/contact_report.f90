@@ -136,7 +136,7 @@ contains
             now%friction_warned = .true.
             call warn("contact '"//contact%name//"': the elastic slip is more than half of " &
                       //'the motion, so friction hardly acts', contact%place, 'use a stiffer ' &
-                      //'penalty: FRICtion COULomb mu PENAlty AUTO')
+                      //'penalty in FRICtion or, if its penalty is AUTO, in NORMal')
           end if
         end if
         if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
@@ -303,7 +303,8 @@ contains
     end do
   end subroutine find_jump
 
-  !> Do the same as find_jump for one contact of two surfaces.
+  !> Find, for a contact of two surfaces, a point that is now behind the other surface and deeper
+  !! than DEPTh, and was not deeper than DEPTh at the start of the step.
   subroutine find_jump_through(contact, x_start, x, gap, side)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x_start(:, :), x(:, :) !! (3, nnode) at the start and now [L]

@@ -167,7 +167,8 @@ contains
           call fail(error, DECK_ERROR, 'more than two element faces of contact surface ' &
                     //surface%name//' share the edge at node ' &
                     //to_text(edges%node(edges%first(a))), &
-                    hint='name each face of a side only once')
+                    hint='name each face of a side once, and no more than two faces with a ' &
+                    //'common edge')
           return
         end if
         surface%neighbour(ka, ea) = eb

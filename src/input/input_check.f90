@@ -45,7 +45,7 @@ contains
               call check_material(draft, p%mesh%material(j)%number, p%mesh%material(j)%place)
               call check_words(draft, p%mesh%material(j)%number, 'MESH')
             end do
-            cycle ! the nodes of an NPATch are counted at the end
+            cycle ! check_size counts the nodes of a MESH
           end if
           if (.not. allocated(p%material_place%file)) cycle ! the record has an error already
           call check_material(draft, p%material, p%material_place)
@@ -156,17 +156,17 @@ contains
     associate (set => draft%model%material(m))
       if (set%given_formulation .and. .not. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-                  //' has DISPlacement or ENHAnced, but a '//word//' uses it', &
-                  set%place, 'remove the word: TYPE of the '//word//' gives the formulation')
+                  //' has DISPlacement or ENHAnced, but is used by a '//word, &
+                  set%place, 'remove this word: TYPE of the '//word//' gives the formulation')
       else if (set%enhanced .and. is_npatch) then
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-                  //' is ENHAnced, but an NPATch uses it', &
-                  set%place, 'remove the word: only 8-node elements have enhanced modes')
+                  //' is ENHAnced, but is used by an NPATch', &
+                  set%place, 'remove ENHAnced: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0) .and. .not. is_npatch) then
-        hint = 'remove the word: QUADrature of the '//word//' sets the integration points'
-        if (word == 'MESH') hint = 'remove the word: it applies only to an NPATch'
+        hint = 'remove NURB: QUADrature of the '//word//' sets the integration points'
+        if (word == 'MESH') hint = 'remove NURB: it applies only to an NPATch'
         call fail(error, DECK_ERROR, 'material '//to_text(number) &
-                  //' has NURB interp, but a '//word//' uses it', set%place, hint)
+                  //' has NURB interp, but is used by a '//word, set%place, hint)
       end if
     end associate
     if (.not. allocated(error)) return
@@ -240,8 +240,8 @@ contains
       names(size(draft%patch) + i) = npatch_name(i)
     end do
     if (size(names) == 0) then
-      hint = 'the deck has no PATCh; without one, use NODE n, POINt x y z or PLANe direction ' &
-             //'coordinate'
+      hint = 'the deck has no PATCh, MESH, SPLIne or NPATch; nodes of ELEMents and BLOCk are ' &
+             //'selected with NODE n, POINt x y z or PLANe direction coordinate'
     else
       hint = 'nearest known: '//nearest(name, names)
     end if
@@ -332,7 +332,8 @@ contains
           hint = 'list the nodes of both faces in the same order: the fifth node must lie ' &
                  //'opposite the first, the sixth opposite the second'
         else if (block%body > 0) then
-          hint = 'use more elements to follow the shape more closely, or enrich other faces'
+          hint = 'check the shape of the body; in a PATCh, more elements follow the shape ' &
+                 //'more closely, or other faces can be enriched'
         else
           hint = order_hint(block, first, mesh%xr)
         end if
@@ -342,9 +343,9 @@ contains
     end do
   end subroutine check_jacobians
 
-  !> Hint: how the nodes of an inverted element of ELEMents must be numbered. If one of the nodes
-  !! after the corners is nearer to the position of another of these nodes than to its own, the deck
-  !! gives these nodes in a different order.
+  !> Hint: how to number the nodes of an inverted element of ELEMents. If a node after the corners
+  !! lies nearer to the position that another node should have than to that which it should have
+  !! itself, the hint names the first such node, because the deck gives the nodes in a wrong order.
   function order_hint(block, e, xr) result(hint)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -411,7 +412,7 @@ contains
   end subroutine find_ends
 
   !> Get the derivatives of the functions with respect to the parent coordinates at the centre of
-  !! hexahedra; not allocated for other elements.
+  !! hexahedra; not allocated for splines and for elements of other shapes.
   subroutine derivatives_at_centre(block, dshp)
     type(block_t), intent(in) :: block
     real(wp), allocatable, intent(out) :: dshp(:, :) !! (3, nen)

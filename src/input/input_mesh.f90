@@ -137,8 +137,8 @@ contains
                   set%place, 'remove ENHAnced: only 8-node elements have enhanced modes')
       else if (any(set%nurbs_points > 0)) then
         call fail(error, DECK_ERROR, 'material '//to_text(set%number) &
-                  //' has NURB interp, but elements of ELEMents or BLOCk use it', &
-                  set%place, 'remove the word: it applies only to an NPATch')
+                  //' has NURB interp, but is used by elements of ELEMents or BLOCk', &
+                  set%place, 'remove NURB: it applies only to an NPATch')
       end if
       if (allocated(error)) call draft%errors%add(error)
       if (found == 0) return

@@ -1,7 +1,7 @@
 !> TIE: nodes at the same position become one node, the one with the lowest number.
 !!
-!! The tolerance is FEAP's: in each direction, 1e-3 times the extent of the mesh, divided by the
-!! square root of the number of nodes.
+!! The default tolerance is FEAP's: in each direction, 1e-3 times the extent of the mesh, divided by
+!! the square root of the number of nodes.
 !!
 !! Source: FEAPpv's manual
 module input_tie
@@ -20,10 +20,10 @@ module input_tie
   !! number of cells in a direction
 
   !> Search grid: each cell lists those of its nodes that are not replaced by another node. Cells
-  !! are at least twice as wide as the tolerance.
+  !! are at least twice as wide as the tolerance, unless there is only one.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! origin of the grid, size of a cell [L]
-    real(wp) :: tol(3)                 !! nodes at most this far apart are tied [L]
+    real(wp) :: tol(3)                 !! nodes no farther apart in any direction are tied [L]
     integer :: cells(3)
     integer, allocatable :: head(:, :, :), next(:)
   end type grid_t
@@ -88,7 +88,7 @@ contains
     call warn('TIE joins nodes that are '//to_text(distance(worst), 3) &
               //' apart in elements of size '//to_text(min(edge(worst), edge(new(worst))), 3), &
               draft%tie(1)%place, 'the default tolerance is a fraction of the mesh extent; ' &
-              //"give a smaller one with 'TIE,,,,tolerance'")
+              //"give a smaller one in the fifth field of TIE, such as 'TIE,,,,tolerance'")
   end subroutine warn_distant
 
   !> Replace tied nodes in elements, constraints and bodies, and update `used` of the mesh.

@@ -22,8 +22,8 @@ module input_where
                              //'each face'
   real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent divided by the square
   !! root of the number of nodes, as in EBOUndary
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! FEAP's search gap of points, relative to the
-  !! mesh's extent, for squared distances
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! nodes are equally near to a point if the
+  !! squares of their distances differ by no more than this times the square of the extent (FEAP)
 
   real(wp), parameter :: BEHIND = 0.7_wp !! a node lies behind another one if the cosine of the
   !! angle between the line through both and the normal of the plane exceeds this
@@ -342,7 +342,8 @@ contains
     character(:), allocatable :: taken
 
     if (extent_of(mesh, on) <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return
-    taken = 'all are selected, which may prevent a rotation'
+    taken = 'all are selected, so a support may prevent a rotation, and FORCe of a CURVe adds up ' &
+            //'the forces of all of them'
     if (.not. all_near) taken = 'the first is selected'
     call warn(to_text(count(on))//' nodes at different places are equally near to the point; ' &
               //taken, place, 'move the point closer to the intended node')

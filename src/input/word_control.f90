@@ -15,6 +15,8 @@ module word_control
   integer, parameter :: NUMNP = 1, NUMEL = 2, NUMMAT = 3, NDM = 4, NDF = 5, NEN = 6
   character(*), parameter :: USAGE = "write 'ndm = 3' and a blank record, or six numbers, " &
                              //"'numnp numel nummat ndm ndf nen'"
+  character(*), parameter :: ZERO_HINT = 'give a positive number, or 0 to let the program count; ' &
+                             //'ndm and ndf must be 3'
 
 contains
 
@@ -78,7 +80,7 @@ contains
         if (allocated(error)) return
         if (n(i) < 0) call fail(error, DECK_ERROR, record%text(1)//' must not be negative, found ' &
                                 //to_text(n(i)), record%place(2), &
-                                'give a positive number, or 0 to let the program count')
+                                ZERO_HINT)
         if (i == NDM) draft%control%place = record%place(2)
         if (.not. allocated(error)) call deck%next_of_set(record, error)
         if (allocated(error)) return
@@ -94,7 +96,7 @@ contains
       i = findloc(n < 0, .true., 1)
       if (i > 0) call fail(error, DECK_ERROR, 'number '//to_text(i)//' of the control record ' &
                            //'must not be negative, found '//to_text(n(i)), record%place(i), &
-                           'give a positive number, or 0 to let the program count')
+                           ZERO_HINT)
     end if
     if (allocated(error)) return
     associate (c => draft%control)
