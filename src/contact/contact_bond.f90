@@ -164,7 +164,7 @@ contains
     end do
   end subroutine find_softening
 
-  !> Find the part of the bonded area whose bonds have broken in the current step without having
+  !> Find the fraction of the bonded area whose bonds have broken in the current step without having
   !! reached their largest traction before it. The step must not have been accepted yet.
   pure real(wp) function find_broken_bonds(contact, state) result(part)
     type(contact_t), intent(in) :: contact

@@ -33,7 +33,7 @@ module contact_cells
   !! polynomials.
   real(wp), parameter :: ACCURACY = 1.0e-10_wp
   real(wp), parameter :: EVEN = 1.0e-8_wp !! a smaller change of the tangents is due to rounding
-  real(wp), parameter :: MOST_UNEVEN = 0.9_wp
+  real(wp), parameter :: MOST_UNEVEN = 0.9_wp !! a larger change is treated like this one
   integer, parameter :: MOST_STEPS = 20        !! largest number of Newton steps
   integer, parameter :: USUAL_POINTS = 5       !! default of QUADrature
   !> By default, a piece whose map is not a polynomial has one more point in each direction. If it

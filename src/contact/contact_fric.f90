@@ -25,7 +25,9 @@ contains
     row%friction => coulomb
   end function describe
 
-  !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p.
+  !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p. If `ahead`
+  !! is not negative, the point slips at mu p, whatever the prediction is.
+  !!
   !! Perpendicular to the direction of slip, the stiffness -dt/dd is mu p divided by |d|, where d is
   !! the vector from the sliding point. At the start of a step, d contains hardly more than its
   !! elastic part, so that this stiffness may be a hundred times too large. The expected slip

@@ -208,8 +208,9 @@ contains
   !! sliding point of a slipping point follows the projection at a distance equal to the elastic
   !! part (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If
   !! the point lies beyond the outer boundary, its sliding point lies there, too (slide_beyond), so
-  !! that friction acts in the step in which the point crosses the boundary. With HALFpass, it is
-  !! the closest point of the boundary as in the paper's scenes.
+  !! that friction acts in the step in which the point crosses the boundary. If the
+  !! points load only their own side (HALFpass, or a rigid other side), it is the closest point of
+  !! the boundary.
   pure subroutine accept_slides(balanced, own, other, shape, x, feet, points)
     logical, intent(in) :: balanced
     type(surface_t), intent(in) :: own, other

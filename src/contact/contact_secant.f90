@@ -144,8 +144,8 @@ contains
     end do
   end subroutine set_traction
 
-  !> Multiply the secants by the viscous factor, and add the viscous work, which is the mean factor
-  !! of the step times the work of the step.
+  !> Multiply the secants by the viscous factor, and add the viscous work: the work of the step
+  !! times the mean of the factor minus 1 at the start and at the end of the step.
   pure subroutine add_viscosity(secants, prop, lag, past, s, ds, now)
     procedure(secants_i) :: secants
     real(wp), intent(in) :: prop(:), lag, past(:)

@@ -44,7 +44,7 @@ module contact_smooth
   integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
 
   !> Largest values are taken over NGRID x NGRID points per element, evenly spaced from edge to
-  !! edge, because fields on facets have their largest values at corners.
+  !! edge, because bilinear fields have their largest values at corners.
   integer, parameter :: NGRID = 10
 
 contains

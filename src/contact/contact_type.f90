@@ -10,8 +10,8 @@ module contact_type
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
-  !> Number of history variables that hold the openings on which the traction depends: the openings
-  !! of both modes, or the opening of the whole vector and a zero.
+  !> Positions, among the history variables, of the openings on which the traction depends: the
+  !! openings of both modes, or the opening of the whole vector and a zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
 
   !> Role of a law, named after the record of the deck to which it belongs.

@@ -30,12 +30,12 @@ module contact_work
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
     real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx of the nodes [F/L]
     real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) dr/dx of partners' nodes
-    !> BALAnced, MORTar: force on the partners' nodes, and its derivatives with respect to the nodes
-    !! of the element and to those of the partner.
+    !> BALAnced, MORTar: force on the partners' nodes, reversed, and its derivatives with respect to
+    !! the nodes of the element and to those of the partner.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
     real(wp), allocatable :: lk(:, :, :)       !! (3*nl, 3*nk, npartner) [F/L]
     real(wp), allocatable :: ll(:, :, :)       !! (3*nl, 3*nl, npartner)
-    !> BALAnced, MORTar: derivatives of the force on one partner, slot pair(1), with respect to the
+    !> BALAnced, MORTar: derivatives of `back` of one partner, slot pair(1), with respect to the
     !! nodes of another one, slot pair(2).
     integer :: ncross = 0
     integer, allocatable :: pair(:, :)         !! (2, ncross)
@@ -111,8 +111,8 @@ contains
     call move_alloc(cross, work%cross)
   end subroutine reserve_crosses
 
-  !> Fraction of its traction by which a point loads its own side: one half if both sides are
-  !! integrated and load each other.
+  !> Fraction of its traction by which a point loads its own side: one half if the points
+  !! of both bodies, or of both parts of a surface in self-contact, load each other.
   pure real(wp) function own_share(contact)
     type(contact_t), intent(in) :: contact
 
@@ -121,7 +121,7 @@ contains
 
   !> Fraction of the energy of a side that belongs to the energy of the contact. If both sides are
   !! integrated, each of them finds the energy of the whole contact, whichever sides its points
-  !! load.
+  !! load; in self-contact, the points of side 1 find it twice.
   pure real(wp) function energy_share(contact)
     type(contact_t), intent(in) :: contact
 

@@ -199,7 +199,8 @@ contains
     inside = .false.
     flat = collapsed_side(own, e)
     u = to_chart(flat, xi)
-    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2 ! in the chart over that of element e
+    ! area of element e in its chart, divided by its reference area
+    area = merge(2.0_wp, 4.0_wp, flat > 0)/own%width(e)**2
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)

@@ -14,9 +14,9 @@ module surface_distance
 contains
 
   !> The smallest distance between an integration point of one surface and the other surface, or
-  !! zero if a point has passed through. In self-contact it is the smallest distance between parts
-  !! that face each other, and huge if there are no such parts. If no point has a projection, it is
-  !! the distance between the boxes around both surfaces.
+  !! zero if a point penetrates; points deeper than DEPTh are left out. If no point is left, it is
+  !! the distance between the boxes around both surfaces. In self-contact, it is the smallest
+  !! distance between parts that face each other, and huge if there are no such parts.
   real(wp) function find_distance(contact, xr, x) result(distance)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :), x(:, :) !! (3, nnode) before the deformation, and now [L]

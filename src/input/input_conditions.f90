@@ -28,7 +28,8 @@ module input_conditions
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, where squared distances are
   !! compared
 
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements that differ by less are equal [-]
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements whose relative difference is less
+  !! are equal
 
   !> Names of the words R_EBOU to R_CSUR; then, for C_FIXED to C_TABLE, names of the words that give
   !! these conditions by node number, and names of their values.
@@ -98,7 +99,8 @@ contains
   end subroutine apply_conditions
 
   !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,
-  !! and forces are added. The load number is that of a node with a force or displacement.
+  !! and forces are added. The load number is that of the first node with a force or a displacement
+  !! or, if there is none, the first that is not 0.
   subroutine share_conditions(draft, new, bc)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: new(:) !! (nnode)

@@ -5,9 +5,10 @@
 !!
 !!   eps = 125 min(E/h),
 !!
-!! where the minimum is taken over the bodies that are not rigid, E is Young's modulus of a body,
-!! and h^2 is the mean area of its surface's elements. With MORTar the factor is 100, and h is that
-!! of the elements that are nearest to the other surface at the start.
+!! where the minimum is taken over the bodies that are not rigid, E is the smallest Young's modulus
+!! behind the surface of the body, and h^2 is the mean area of the elements of this surface. With
+!! MORTar, the factor is 100 instead of 125, and the mean area is that of the elements that are
+!! nearest to the other surface at the start. A factor given with AUTO multiplies eps.
 !!
 !! Under a pressure p the penetration is (p/E) h/125. The constant is that of Corbett and Sauer
 !! 2015, section 5.3: eps = 125 E/L, 250 E/L and 500 E/L on blocks with modulus E and elements of
@@ -119,7 +120,7 @@ contains
     end associate
     call look_at_start(contact, model%mesh%xr, start)
     call set_penalties(model, start, contact)
-    ! If a side is rigid, BALAnced makes no difference, because that side bears all forces anyway.
+    ! If a side is rigid, only the points of the other side act, so BALAnced makes no difference.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) then
       contact%released = contact%cohesive%law%released(contact%cohesive%prop)

@@ -23,8 +23,8 @@ module input_doubts
 
   real(wp), parameter :: DEGREE = acos(-1.0_wp)/180.0_wp
   real(wp), parameter :: TURNED = 70.0_wp !! a larger twist is hardly intended [degrees]
-  !> A line of a face has no meaningful direction if its length, relative to that of the other line,
-  !! is less than this.
+  !> A line of a face has no meaningful direction if its length, relative to that of the longest
+  !! line of the two faces, is less than this.
   real(wp), parameter :: FLAT = 0.05_wp
 
   !> An element of any block.

@@ -90,8 +90,8 @@ module input_draft
     type(contact_t) :: contact
     type(where_t) :: at(2)             !! SURFaces
     type(place_t) :: scheme_place
-    type(place_t) :: bond_place, pair_place, refine_place !! places of BONDed, PAIR, REFIne,
-    !! without a file if there is no such record
+    type(place_t) :: bond_place, pair_place, refine_place !! places of BONDed, PAIR and REFIne
+    !! in the deck; their `file` is not allocated if there is no such record
   end type contact_entry_t
 
   !> A CURVe.
@@ -150,7 +150,8 @@ module input_draft
     logical :: node_twice = .false.      !! the warning about nodes given twice was issued
     logical :: force_twice = .false.     !! the same for FORCe
     type(unread_constraints_t) :: tables !! constraint tables next to mesh files
-    real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3]) !! TRAN
+    !> TRANsform: a position x becomes turn x + shift [L].
+    real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3])
     real(wp) :: shift(3) = 0.0_wp
     integer :: last_node = 0, last_element = 0, last_material = 0 !! last numbers of the last BLOCk
     type(patch_entry_t), allocatable :: patch(:)

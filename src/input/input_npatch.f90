@@ -28,8 +28,8 @@ contains
     name = 'npatch'//to_text(k)
   end function npatch_name
 
-  !> Get the knot vectors and control points of an NPATch. The multiplicity of the first knot gives
-  !! the degree.
+  !> Get the knot vectors and control points of an NPATch. The degree is the multiplicity of
+  !! the first knot minus 1.
   subroutine npatch_geometry(draft, k, patch, error)
     type(draft_t), intent(in) :: draft
     integer, intent(in) :: k

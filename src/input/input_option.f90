@@ -15,7 +15,7 @@ module input_option
 contains
 
   !> Read the next option after field i, and set i to the number of the field that holds its word.
-  !! Fail if its value is missing.
+  !! Fail if the option is unknown or repeated, or if its value is missing.
   subroutine next_option(line, i, option, usage, seen, key, error)
     type(record_t), intent(in) :: line
     integer, intent(inout) :: i

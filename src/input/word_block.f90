@@ -196,8 +196,8 @@ contains
   end subroutine check_block
 
   !> Make nodes at equal intervals of the parameters of the master block; r varies fastest. Missing
-  !! master nodes follow FEAP's rules: edges are straight, and faces and the centre interpolate
-  !! edges and corners.
+  !! master nodes follow FEAP's rules: edges are straight, and the centres of the faces
+  !! and of the block are interpolated.
   subroutine make_nodes(draft, spec)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
@@ -223,7 +223,7 @@ contains
       if (.not. given(3*i + 8)) call fill_face(x(:, :, i, :))
       if (.not. given(9*i - 4)) call fill_face(x(:, :, :, i))
     end do
-    if (.not. given(14)) then ! FEAP: edges of faces 3- and 3+, centres of the other four
+    if (.not. given(14)) then ! FEAP: mid-edges of faces 3- and 3+, centres of the others
       edges = x(:, 2, 1, 1) + x(:, 3, 2, 1) + x(:, 2, 3, 1) + x(:, 1, 2, 1) &
               + x(:, 2, 1, 3) + x(:, 3, 2, 3) + x(:, 2, 3, 3) + x(:, 1, 2, 3) &
               + x(:, 2, 1, 2) + x(:, 3, 2, 2) + x(:, 2, 3, 2) + x(:, 1, 2, 2)
