@@ -67,7 +67,7 @@ STUDY_KEYS = {
 
 
 def read_expect(path):
-    """The file as {title, source, checks, studies}; a check with `each` becomes one per row."""
+    """The file as {title, checks, studies}; a check with `each` or `vary` becomes one per row."""
     path = pathlib.Path(path)
     content = _load(path)
     unknown = set(content) - {"title", "source", "check", "study", "diff"}
@@ -88,7 +88,9 @@ def read_expect(path):
 
 
 def _study(path, study):
-    """A study as a list of (row, entries, slow); the last key of `vary` sets the mesh."""
+    """A study as {mesh, rows}: the last key of `vary`, which sets the mesh, and the list of (row,
+    entries, slow).
+    """
     if "vary" not in study or not {"value", "want", "limit"} <= set(study):
         raise Unreadable(f"'{path}': a study needs the keys vary, value, want and limit")
     mesh = list(study["vary"])[-1]

@@ -88,7 +88,9 @@ def _slices(data, starts, n, name):
 
 
 def field_tables(path):
-    """Tables of a result file for `diff`: steps, mesh, and one per array with all steps stacked."""
+    """Tables of a result file for `diff`: steps, mesh, and one per array, with all steps stacked
+    unless the array is the same in all steps.
+    """
     fields = read_fields(path)
     mesh = lambda name, columns, label: Table(name, columns, fields.path, label=label)
     tables = [

@@ -20,7 +20,7 @@ def update(comparison, b, settings):
     """Print the changes and rewrite the files of the reference `b`; return the exit code.
 
     Values within tolerance keep their old digits. Nothing is written if the new result contains
-    NaN, or lacks a column or a whole file of the reference.
+    NaN or infinity or lacks a column of the reference, or if a whole file is missing on one side.
     """
     for table in comparison.tables:
         _refuse(table)

@@ -132,7 +132,9 @@ def main(argv):
 
 
 def _settings(options):
-    """Arguments of `compare` from the command line, which override those of --expect."""
+    """Arguments of `compare` from the command line, which override those of --expect; --only and
+    --ignore add to them.
+    """
     given = {kind: getattr(options, kind) for kind in ("rel", "abs", "scaled")}
     if options.exact:
         given = {"rel": ["0"]}

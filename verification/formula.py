@@ -21,7 +21,9 @@ def span(x):
 
 
 def work(force, u):
-    """Work of a force along a displacement, from the first row on, by the trapezoidal rule."""
+    """(rows) work of a force along a displacement from the first row to each row, by the trapezoidal
+    rule.
+    """
     force, u = np.asarray(force), np.asarray(u)
     return np.append(0.0, np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(u)))
 

@@ -59,7 +59,9 @@ def _plan_series(folder, mesh, names, meshes):
 
 
 def _study_row(case, quantity, errors, entry, value):
-    """Compare the finest mesh with the converged value, and check that the error decreases."""
+    """Compare the finest mesh with the converged value; with `shrink`, also check that the error
+    decreases.
+    """
     limit, shrink = float(entry["limit"]), entry.get("shrink")
     ok, reason = abs(errors[-1]) <= limit, ""
     if shrink is not None:

@@ -73,7 +73,9 @@ def inner_cuts(body):
 
 
 def normal_jumps(s):
-    """Largest angles between normals across common edges and at corners [degrees]."""
+    """Largest angles between normals across common edges and at corners [degrees], and the number of
+    edges at which the angle exceeds one degree (counted from both sides).
+    """
     from post.mesh._net import twins
 
     t = np.linspace(-0.98, 0.98, 9)

@@ -184,8 +184,10 @@ def _parameter(surface, e, c, s, single):
 
 
 def check_corners(surface, path, closed):
-    """Report edges without a neighbour: either the surface is open, or its elements do not
-    match.
+    """The edges without a neighbour, where the surface is open or its elements do not match.
+
+    Raises Unreadable if neighbours have opposite orientations, or if there are such edges although
+    the surface must be closed.
     """
     count = {}
     for row in surface.corners.tolist():

@@ -29,7 +29,9 @@ def first_hit(origins, directions, points, triangles, start):
 
 
 def _meet(o, d, x):
-    """(k) distance along the line o + t d to the triangle x (k, 3, 3); NaN if it misses it."""
+    """(k) distance along the line o + t d to the triangle x (k, 3, 3); NaN if the line misses it or
+    crosses it against its normal.
+    """
     e1, e2, r = x[:, 1] - x[:, 0], x[:, 2] - x[:, 0], o - x[:, 0]
     h, q = np.cross(d, e2), np.cross(r, e1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -47,7 +49,10 @@ def _meet(o, d, x):
 
 
 def intersections(points, triangles):
-    """(k, 2) pairs of triangles that intersect elsewhere than at common points."""
+    """(k, 2) pairs of triangles that intersect elsewhere than at common points.
+
+    Pairs with a common edge are not examined.
+    """
     pairs = _near(points[triangles])
     cut = []
     for at in range(0, len(pairs), CHUNK // 8):

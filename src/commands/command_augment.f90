@@ -57,8 +57,8 @@ contains
     if (run%program%dry) then
       if (.not. is_followed(run%program)) then
         call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent within the same step', &
-                  command%record%place(1), 'inside the loop with TIME, enclose both the Newton ' &
-                  //'loop and AUGMent in LOOP,augment,n')
+                  command%record%place(1), 'enclose both the Newton loop and AUGMent in ' &
+                  //'LOOP,augment,n, inside the loop with TIME if there is one')
       end if
       return
     end if

@@ -88,7 +88,7 @@ contains
     end if
     if (i == 0) then
       call fail(error, DECK_ERROR, 'SOLV has no system to solve', command%record%place(1), &
-                'put TANG or FORM between TIME and SOLV')
+                'put TANG, UTAN or FORM before SOLV, and after TIME if there is one')
     else if (.not. run%program%dry) then
       call iterate(run, command, .false., run%step%newton%symmetric, .true., error)
     end if

@@ -111,7 +111,7 @@ contains
           else if (program%prop_at(k) > solve) then
             call warn('PROP defines load table '//to_text(k)//' after the first solve, so ' &
                       //'earlier steps do not follow it', record%place(1), 'put PROP before the ' &
-                      //'first TIME')
+                      //'first TIME, TANG or UTAN')
           end if
         end associate
       end do

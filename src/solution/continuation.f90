@@ -313,7 +313,8 @@ contains
 
     if (path%warned_energy .or. state%energy%kinetic <= abs(state%energy%outer)) return
     path%warned_energy = .true.
-    hint = 'use smaller steps: AUTO,,dtmin,dtmax with a smaller dtmax'
+    hint = 'use smaller steps: DT with a smaller dt and more passes of the loop, and AUTO with ' &
+           //'dtmax = dt'
     if (size(model%contact) > 0) then
       hint = 'contact has produced energy (see BOOK CREAted), so later results are unreliable; ' &
              //'if a body is peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &

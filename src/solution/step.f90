@@ -267,8 +267,11 @@ contains
         hint = 'residual '//to_text(pass%residual)//', largest at node '//to_text(pass%worst(2)) &
                //', dof u'//'xyz' (pass%worst(1):pass%worst(1))//'; '
       end if
-      hint = hint//'smaller steps may help: AUTO,,dtmin,dtmax'
-      if (step%control%automatic) hint = hint//' with a smaller dtmin'
+      hint = hint//'smaller steps may help: '
+      if (.not. step%timed) hint = hint//'apply the loads in steps (PROP, DT and a loop with ' &
+                                   //'TIME) with '
+      hint = hint//'AUTO,,dtmin,dtmax'
+      if (step%control%automatic .and. step%timed) hint = hint//' with a smaller dtmin'
       if (size(model%contact) > 0 .and. ncut > 1) then
         hint = hint//'; if contact points open and close in turn at an edge or where the gap is ' &
                //'zero, no step is small enough: '
@@ -345,7 +348,8 @@ contains
       step%total%unconverged = .true.
       call warn('step '//to_text(state%step)//' was closed before it converged: residual ' &
                 //to_text(pass%residual)//', largest nodal force '//to_text(pass%sweep%largest), &
-                hint='use more iterations, or AUTO,,dtmin,dtmax; the run will end with code 2')
+                hint='use more iterations or, in a loop with TIME, AUTO,,dtmin,dtmax; the run ' &
+                //'will end with code 2')
     end if
     if (.not. step%newton%constraint%on) call check_stability(step, state)
     associate (asm => step%newton%asm)

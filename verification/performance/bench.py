@@ -104,8 +104,8 @@ def parser():
 
 
 def time_cube(bezel, folder, n, rounds, missing):
-    """{name: {"wall", "cpu", ..., "ratio_cpu", "ratio_wall"}}, with ratios to the adjacent full
-    runs.
+    """{name: {"wall", "cpu", ..., "run_cpu", "iteration_cpu", "run_wall", "iteration_wall"}}; the
+    last four are ratios to the adjacent full runs, of the whole run and per iteration.
     """
     samples, pairs = {}, {}
     names = [*OURS, *OTHERS]

@@ -185,7 +185,9 @@ def judge_files(done, out):
 
 
 def check_curve(path):
-    """Require that every complete row of a curve has as many numbers as there are columns."""
+    """Require that every complete row of a curve has as many numbers as there are columns, all of
+    them finite.
+    """
     head, *rows = path.read_text().splitlines(keepends=True)
     for row in rows:
         if row.endswith("\n"):

@@ -6,7 +6,9 @@ import time
 
 
 def ddmin(parts, fails, until):
-    """A list that fails, but no longer fails if any one chunk of it is removed."""
+    """A list that fails, but no longer fails if any single item is removed; if the time is over
+    earlier, the shortest list found so far.
+    """
     n = 2
     while len(parts) >= 2 and time.monotonic() < until:
         size = max(1, len(parts) // n)

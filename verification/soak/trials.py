@@ -112,7 +112,7 @@ def is_spline(deck):
 
 
 def companions(deck):
-    """Files named in the deck."""
+    """Files of less than 300 kB that are named in the deck, without decks."""
     text = deck.read_text(errors="replace")
     words = set(re.findall(r"[\w./-]+\.\w+", text))
     found = [deck.parent / w for w in sorted(words) if (deck.parent / w).is_file()]

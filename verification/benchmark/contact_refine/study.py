@@ -60,8 +60,8 @@ def run(bezel, q, cells, mu):
 
 
 def difference(curve, fine, name, mu):
-    """Root mean square of the difference at the steps of the fine run; without friction, only the
-    force is compared.
+    """Root mean square of the difference at the steps of the fine run, relative to the largest value
+    of that run; '-' for all measures but the force if there is no friction.
     """
     if mu == 0 and name != "force":
         return "-"
