@@ -11,8 +11,8 @@ module hexa_shape
   public :: tensor_rule, tensor_marks, join_faces
   public :: CORNER_MARKS
 
-  !> Largest degree for which work arrays have room. Decks and files are limited to the MAX_DEGREE of
-  !! patch_nurbs.
+  !> Largest degree for which work arrays have room. Decks and files are limited to the MAX_DEGREE
+  !! of patch_nurbs.
   integer, parameter, public :: MAX_DEGREE = 15
   integer, parameter, public :: VTK_BEZIER_HEXAHEDRON = 79
 
