@@ -1,5 +1,6 @@
-!> Finds bodies that overlap at the start although neither nodes nor a contact join them. Such
-!! bodies pass through each other, and nothing else in the results shows this.
+!> Finds bodies that overlap, at the start or at the end of a run, although neither nodes nor a
+!! contact join them. Such bodies pass through each other, and nothing else in the results shows
+!! this.
 !!
 !! Points of the outer elements of one body are projected onto the outer faces of the other one.
 !! Flat elements of curved surfaces that just touch overlap a little, so small overlaps are ignored.
@@ -19,7 +20,7 @@ module input_overlap
   use surface_geometry, only: surface_point
   implicit none
   private
-  public :: warn_overlaps
+  public :: warn_overlaps, warn_crossed
 
   !> A point is inside another body if its depth exceeds this fraction of the widths of both faces:
   !! that of the point, and the nearest one of the other body.
@@ -28,44 +29,97 @@ module input_overlap
 
 contains
 
-  !> Warn about each pair of bodies that overlap, unless a contact or common nodes join them.
+  !> Warn about each pair of bodies that overlap at the start, unless a contact or common nodes join
+  !! them.
   subroutine warn_overlaps(mesh, contact, told)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: told(:, :)  !! (nbody, nbody) pairs that a warning has named already
+    logical, allocatable :: overlap(:, :)
+    real(wp), allocatable :: x(:, :, :)
+
+    call find_overlaps(mesh, contact, told, overlap, x)
+    call warn_pairs(mesh, overlap, x, 'at the start', 'check their positions and sizes; bodies ' &
+                    //'that touch act on each other only through CONTact or TIE')
+  end subroutine warn_overlaps
+
+  !> At the end of a run, warn about each pair of bodies that have moved into each other although
+  !! they did not overlap at the start, unless a contact or common nodes join them.
+  subroutine warn_crossed(mesh, contact, x)
+    type(mesh_t), intent(inout) :: mesh    !! unchanged on return
+    type(contact_t), intent(in) :: contact(:)
+    real(wp), intent(in) :: x(:, :)        !! (3, nnode) current positions [L]
+    logical, allocatable :: overlap(:, :), before(:, :)
+    logical :: none(size(mesh%body), size(mesh%body))
+    real(wp), allocatable :: at(:, :, :), unused(:, :, :), xr(:, :)
+
+    if (.not. allocated(mesh%xr) .or. size(mesh%body) == 0) return
+    none = .false.
+    xr = mesh%xr
+    mesh%xr = x
+    call find_overlaps(mesh, contact, none, overlap, at)
+    mesh%xr = xr
+    if (.not. any(overlap)) return
+    call find_overlaps(mesh, contact, none, before, unused)
+    call warn_pairs(mesh, overlap .and. .not. before, at, 'at the end', 'bodies act on each ' &
+                    //'other only through CONTact or TIE: name the faces that meet in a CONTact')
+  end subroutine warn_crossed
+
+  !> Find the pairs of bodies that overlap and that nothing joins.
+  subroutine find_overlaps(mesh, contact, told, overlap, x)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: told(:, :)      !! (nbody, nbody) pairs that are not examined
+    logical, allocatable, intent(out) :: overlap(:, :) !! (0:nbody, 0:nbody) pairs a < b
+    real(wp), allocatable, intent(out) :: x(:, :, :)   !! (3, 0:nbody, 0:nbody) a common point [L]
     type(skin_t), allocatable :: skin(:)
-    logical, allocatable :: may(:, :) ! (0:nbody, 0:nbody) pairs a < b
-    real(wp) :: x(3)
-    logical :: overlap
-    integer :: a, b, n, nbody
+    integer :: a, b, nbody
 
     nbody = size(mesh%body)
-    call find_candidates(mesh, contact, told, may)
-    if (.not. any(may)) return
+    call find_candidates(mesh, contact, told, overlap)
+    allocate (x(3, 0:nbody, 0:nbody), source=0.0_wp)
+    if (.not. any(overlap)) return
     allocate (skin(0:nbody))
     do a = 0, nbody
-      if (any(may(a, :) .or. may(:, a))) call make_skin(mesh, a, skin(a))
+      if (any(overlap(a, :) .or. overlap(:, a))) call make_skin(mesh, a, skin(a))
     end do
-    n = 0
     do a = 0, nbody
       do b = a + 1, nbody
-        if (.not. may(a, b)) cycle
-        if (.not. (skin(a)%exists .and. skin(b)%exists)) cycle
-        call find_deep_point(mesh, skin(a), skin(b), b, x, overlap)
-        if (.not. overlap) call find_deep_point(mesh, skin(b), skin(a), a, x, overlap)
-        if (.not. overlap) cycle
-        n = n + 1
-        if (n > MOST_PAIRS) cycle
-        call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap at the start, for ' &
-                  //'example at ('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', ' &
-                  //to_text(x(3), 4)//'), and nothing joins them, so they do not act on each ' &
-                  //'other', mesh%body(b)%place, 'check their positions and sizes; bodies that ' &
-                  //'touch act on each other only through CONTact or TIE')
+        if (.not. overlap(a, b)) cycle
+        overlap(a, b) = skin(a)%exists .and. skin(b)%exists
+        if (.not. overlap(a, b)) cycle
+        call find_deep_point(mesh, skin(a), skin(b), b, x(:, a, b), overlap(a, b))
+        if (.not. overlap(a, b)) then
+          call find_deep_point(mesh, skin(b), skin(a), a, x(:, a, b), overlap(a, b))
+        end if
       end do
     end do
-    if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap at the ' &
-                                  //'start')
-  end subroutine warn_overlaps
+  end subroutine find_overlaps
+
+  !> Name the first pairs of bodies that overlap, and the number of the others.
+  subroutine warn_pairs(mesh, overlap, x, when, hint)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: overlap(0:, 0:)
+    real(wp), intent(in) :: x(:, 0:, 0:)   !! (3, 0:nbody, 0:nbody) a common point [L]
+    character(*), intent(in) :: when, hint
+    integer :: a, b, n
+
+    n = 0
+    do a = 0, size(mesh%body)
+      do b = a + 1, size(mesh%body)
+        if (.not. overlap(a, b)) cycle
+        n = n + 1
+        if (n > MOST_PAIRS) cycle
+        associate (at => x(:, a, b))
+          call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap '//when//', for ' &
+                    //'example at ('//to_text(at(1), 4)//', '//to_text(at(2), 4)//', ' &
+                    //to_text(at(3), 4)//'), and nothing joins them, so they do not act on each ' &
+                    //'other', mesh%body(b)%place, hint)
+        end associate
+      end do
+    end do
+    if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap '//when)
+  end subroutine warn_pairs
 
   !> Mark the pairs of bodies that deform, whose boxes overlap, and that nothing joins.
   subroutine find_candidates(mesh, contact, told, may)

@@ -20,6 +20,7 @@ module run
   use deck_stream, only: open_deck, check_settings, warn_of_comma, deck_text
   use dof_map, only: number_equations
   use input_model, only: build_model
+  use input_overlap, only: warn_crossed
   use solution_state, only: new_state
   use table_check, only: check_tables, warn_sum
   implicit none
@@ -95,6 +96,7 @@ contains
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
     end if
     call warn_soft_penalty(job%model, job%state)
+    call warn_crossed(job%model%mesh, job%model%contact, job%model%mesh%xr + job%state%u)
     call note_missed(job%model, job%state)
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
