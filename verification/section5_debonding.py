@@ -7,8 +7,8 @@ The suite `all` is mesh 1, and mesh 2 for the bodies of Q1 and of IGA2. The suit
 for the bodies of Q2, and mesh 3 for IGA2 and Q1E9+Q1N2 up to a lift of 15.5. A case that is
 complete is not run again unless --force is given. The command prints the dofs of Table 2, how each
 case ended, and a comparison with the independent results of section5_peeling/peeling.csv. The exit
-code is 1 if a case ends early or a number of dofs differs. `--write` puts summary.csv and the
-curves (with few digits) into benchmark/section5_debonding/runs, from which the figures are drawn.
+code is 1 if a case ends early or if its dofs differ from Table 2. `--write` puts summary.csv and
+the curves (with few digits) into benchmark/section5_debonding/runs, from which the figures are drawn.
 `--pictures` also runs the decks of Figures 13 and 14, and `--readings` runs those with other
 interpretations of the problem (readings.csv). `--steps` ends runs earlier, in folders of their own.
 `--apart` runs nothing; it compares committed curves with each other (apart.csv).

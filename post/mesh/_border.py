@@ -152,7 +152,7 @@ def combined(pairs):
 
 
 def restricted(rows, start, end):
-    """Bezier rows of the part of a curve between two parameters, from `start` to `end`.
+    """The Bezier points, as {function: factor}, of a curve between the parameters `start` and `end`.
 
     >>> restricted([{0: 1.0}, {1: 1.0}], 0.5, 1.0)
     [{0: 0.5, 1: 0.5}, {1: 1.0}]

@@ -75,7 +75,8 @@ module contact_pair
     integer, allocatable :: control(:)       !! control points of the elements
   end type surface_t
 
-  !> A region of bonded reference points: the half space that a normal points into, or a box.
+  !> A region of the reference configuration that decides which points are bonded: the half space
+  !! that a normal points into, or a box.
   type :: bond_t
     logical :: is_except = .false.           !! points in the region are not bonded
     logical :: is_box = .false.

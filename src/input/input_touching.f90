@@ -150,7 +150,7 @@ contains
     if (pair%overlaps) area = pair%near
   end function area_of
 
-  !> Warn about a body that comes apart, or about elements without a body that come apart.
+  !> Warn about a body that comes apart, or about elements that belong to no body and come apart.
   subroutine warn_seam(draft, mesh, skin, pair, double)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh

@@ -271,8 +271,8 @@ contains
   end subroutine seal
 
   !> Check the hash at the end of a file, because HDF5 may crash if bytes have changed. If another
-  !! program has written to the file, there is no hash at its end; in that case only the checksums
-  !! of the datasets are checked.
+  !! program has rewritten the file with HDF5, the hash is lost; in that case only the checksums of
+  !! the datasets are checked.
   subroutine check_seal(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error

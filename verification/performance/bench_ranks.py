@@ -2,8 +2,8 @@
 
     .venv/bin/python -m verification.performance.bench_ranks [--n 24] [--rounds 2] [--deck DECK ...]
 
-The runs of a round follow each other directly, and only their ratios are printed, as medians over
-the rounds, so that other work on the machine hardly matters. Without DECK, two steps of the cube of
+The runs of a round follow each other directly, and they are compared by the ratios of their times,
+as medians over the rounds, so that other work on the machine hardly matters. Without DECK, two steps of the cube of
 cube.inp are solved, once with factors that are kept and once with a factorisation in every
 iteration. Below the ratios, the times of the parts of a run (from the logs) show what a second rank
 does not speed up.
