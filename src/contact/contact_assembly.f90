@@ -371,7 +371,7 @@ contains
                              work(c)%element(k))
           call measure_energy(contact, k, state%contact(c))
           call mark_beside(work(c)%feet(k)%at, BESIDE*contact%depth, point(k))
-          call accept_slides(contact%balanced, contact%side(k), contact%side(3 - k), &
+          call accept_slides(contact%scheme, contact%side(k), contact%side(3 - k), &
                              work(c)%shape(3 - k), x, work(c)%feet(k)%at, point(k))
           state%contact(c)%penetration(k) = deepest_corner(contact, k, work(c)%shape, &
                                                            work(c)%grid(3 - k), point(k))

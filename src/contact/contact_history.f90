@@ -9,7 +9,7 @@
 module contact_history
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, surface_t, &
-                          MORTAR
+                          HALFPASS, MORTAR
   use contact_smooth, only: count_nodes, NSPREAD
   use contact_type, only: OPEN, MAX_PAST, STICK, SLIP
   use projection, only: project
@@ -199,8 +199,9 @@ contains
     else
       points%slide(i) = foot%outer
       points%slide_xi(:, i) = foot%outer_xi
-      if (contact%balanced) points%slide_xi(:, i) = slide_beyond(contact%side(3 - k), shape, foot, &
-                                                                 xp(:, 1))
+      if (contact%scheme /= HALFPASS) then
+        points%slide_xi(:, i) = slide_beyond(contact%side(3 - k), shape, foot, xp(:, 1))
+      end if
     end if
   end subroutine enter_slide
 
@@ -208,11 +209,10 @@ contains
   !! sliding point of a slipping point follows the projection at a distance equal to the elastic
   !! part (Sauer and De Lorenzis 2015). The sliding point of any other point is its projection. If
   !! the point lies beyond the outer boundary, its sliding point lies there, too (slide_beyond), so
-  !! that friction acts in the step in which the point crosses the boundary. If the
-  !! points load only their own side (HALFpass, or a rigid other side), it is the closest point of
-  !! the boundary.
-  pure subroutine accept_slides(balanced, own, other, shape, x, feet, points)
-    logical, intent(in) :: balanced
+  !! that friction acts in the step in which the point crosses the boundary. With HALFpass, it is
+  !! the closest point of the boundary.
+  pure subroutine accept_slides(scheme, own, other, shape, x, feet, points)
+    integer, intent(in) :: scheme                !! of the contact: HALFPASS, BALANCED
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! shape of the other side
     real(wp), intent(in) :: x(:, :)              !! (3, nnode) current positions [L]
@@ -231,7 +231,7 @@ contains
         if (points%closest(i) == 0) then
           points%slide(i) = feet(i)%outer
           points%slide_xi(:, i) = feet(i)%outer_xi
-          if (balanced .and. feet(i)%outer > 0) then
+          if (scheme /= HALFPASS .and. feet(i)%outer > 0) then
             points%slide_xi(:, i) = slide_beyond(other, shape, feet(i), xp(:, q))
           end if
         else if (points%state(i) == SLIP) then
