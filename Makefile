@@ -60,7 +60,7 @@ include src/simd.mk
 OBJECTS := $(patsubst %.f90,$(B)/%.o,$(notdir $(SOURCES) $(COPIES)))
 vpath %.f90 $(wildcard src/*) $(sort $(dir $(COPIES)))
 
-# Prints the names of the first three files that a make compiles, then only their number.
+# Prints the names of the first three files that a make compiles, then their number after every 50.
 TELL = @echo '$<' >> $(B)/compiled; n=$$(grep -nxF '$<' $(B)/compiled | sed 's/:.*//;q'); \
        if [ $$n -le 3 ]; then echo '  $<'; elif [ $$((n % 50)) = 0 ]; then echo "  $$n files compiled"; fi
 
@@ -245,10 +245,10 @@ clean:
 	@rm -rf $(BUILD)
 
 #: make               $(BUILD)/release/bezel
-#: make check         all that a commit must pass: unit tests, bad decks, manual, post, patch tests, files, signals
+#: make check         all that a commit must pass: unit tests, bad decks, manual, post, reference, patch tests, files, signals
 #: make MPI=1         $(BUILD)/mpi/bezel for mpirun; make check MPI=1 tests it on 1, 2 and 3 ranks
 #: make unit T=word   builds and runs the unit tests whose path contains the word
-#: make verify        patch tests and quick benchmarks; verify-all adds the slow ones, restarts and sanitizers
+#: make verify        patch tests, contact, quick benchmarks; verify-all adds slow ones, restarts, mutants, the paper
 #: make soak          random trials (bad input, kills, signals, limits, units); MINUTES= and SEED= set time and choice
 #: make demo          runs three decks and draws their figures
 #: make demo-rocker   meshes a body below a net of quads, slides a pin on it; needs Gmsh or TetGen
