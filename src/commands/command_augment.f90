@@ -79,6 +79,12 @@ contains
       end do
       if (most > 0.0_wp) change = change/most
       if (change <= tolerance) then
+        if (.not. change > 0.0_wp) then
+          call log_line('  no augmentation: no pressure would change')
+        else
+          call log_line('  no further augmentation: pressures would change by only ' &
+                        //to_text(change)//' times the largest pressure')
+        end if
         call leave_loop(run%program)
       else if (is_last_pass(run%program)) then
         call log_line('  last augmentation: pressures would still change by up to ' &

@@ -1,11 +1,10 @@
 !> The size of the region in which two faces touch, compared with their elements.
 !!
-!! Where curved faces, edges or corners touch in a region much smaller than an element, the pressure
-!! is hardly more than a nodal force, and it depends on the mesh. A region counts as small only if
-!! two measures agree on every side that deforms:
+!! Where faces, edges or corners touch in a region much smaller than an element, the pressure is
+!! hardly more than a nodal force, and it depends on the mesh. A region counts as small only if two
+!! measures agree on every side that deforms:
 !!
-!! - In every element of the side, at most half of the area that faces the other side touches. Flat
-!!   faces that overlap in a part of an element touch wherever they face each other.
+!! - At most half of the area of every element of the side touches.
 !! - The region is narrow. Its width follows from the second moments of the pressure forces about
 !!   their centre: it is 4 times the square root of the middle principal moment divided by the total
 !!   force. This is 2 b for Hertz's pressure on a strip of width 2 b, and 1.8 a on a circle of
@@ -25,8 +24,8 @@ module contact_patch
   private
   public :: follow_patch, warn_small_patches
 
-  real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! largest touching part of an element's facing area
-  real(wp), parameter :: SMALL = 0.25_wp      !! width of a small region, relative to an element
+  real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! largest touching fraction of an element
+  real(wp), parameter :: SMALL = 0.5_wp       !! width of a small region, relative to an element
   real(wp), parameter :: WEAK = 0.05_wp       !! a smaller fraction of the largest force is ignored
 
 contains
@@ -57,7 +56,7 @@ contains
     type(contact_points_t), intent(in) :: points
     real(wp), intent(out) :: width
     real(wp) :: xp(3, contact%nq), moment(3, 3), principal(3), work(16)
-    real(wp) :: near(3), centre(3), force, total, element, opposite, touching
+    real(wp) :: near(3), centre(3), force, total, element, area, touching
     integer :: e, i, info, j, q
     logical :: covers
 
@@ -71,11 +70,10 @@ contains
       i = (e - 1)*contact%nq
       if (all(points%state(i + 1:i + contact%nq) == OPEN)) cycle
       call side_positions(contact%side(k), e, x, xp)
-      opposite = 0.0_wp
+      area = 0.0_wp
       touching = 0.0_wp
       do q = 1, contact%nq
-        if (.not. points%gap(i + q) < huge(1.0_wp)) cycle
-        opposite = opposite + points%area(i + q)
+        area = area + points%area(i + q)
         if (points%state(i + q) == OPEN) cycle
         ! pressures of control points (MORTar) extend over whole elements
         if (.not. points%pressure(i + q) > contact%control_penalty*points%gap(i + q)) cycle
@@ -90,7 +88,7 @@ contains
           moment(:, j) = moment(:, j) + force*xp(j, q)*xp(:, q)
         end do
       end do
-      covers = covers .or. touching > LARGEST_SHARE*opposite
+      covers = covers .or. touching > LARGEST_SHARE*area
     end do
     if (.not. total > 0.0_wp) return
     centre = centre/total
@@ -115,7 +113,7 @@ contains
         if (now%largest_force < WEAK*maxval(state%contact%largest_force)) cycle
         call warn("contact '"//contact%name//"': at its largest force, "// &
                   to_text(now%largest_force, 3)//', the faces touch in a region that is less ' &
-                  //'than a quarter of an element wide: the pressure depends on the mesh, and so ' &
+                  //'than half an element wide: the pressure depends on the mesh, and so ' &
                   //'does the force needed for a prescribed motion', contact%place, 'use smaller ' &
                   //'elements there: an accurate pressure needs several across the region')
       end associate

@@ -29,6 +29,9 @@ module contact_start
   !! width of the element with the smallest gap.
   real(wp), parameter :: NEAREST = 0.01_wp
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
+  !> Normals point the same way if the cosine of their angle exceeds this value. The mean normal at
+  !! the edge of a box is at 45 degrees to the faces that meet there, so more is required at ridges.
+  real(wp), parameter :: SAME_WAY = 0.5_wp, SAME_AT_RIDGE = 0.9_wp
 
   !> Position of two surfaces relative to each other at the start.
   type :: start_t
@@ -284,7 +287,7 @@ contains
     subroutine look_from(k)
       integer, intent(in) :: k
       type(foot_t) :: foot
-      real(wp) :: xp(3), a(3, 2), b(3, 3)
+      real(wp) :: xp(3), a(3, 2), b(3, 3), normal(3), same
       integer :: e, q
 
       do e = 1, contact%side(k)%nelem
@@ -299,7 +302,9 @@ contains
             reach_of(e, k) = min(reach_of(e, k), abs(foot%gap))
             away(n) = 0
             behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
-            if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) then
+            normal = cross(a(:, 1), a(:, 2))
+            same = merge(SAME_WAY, SAME_AT_RIDGE, all(foot%free))
+            if (dot_product(normal, foot%n) > same*norm2(normal)) then
               ! outside the other body side k faces away, inside it the other side does
               away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
             end if

@@ -1,15 +1,16 @@
-!> Warnings about loads and materials that have no effect.
+!> Warnings about loads, materials and rigid bodies that have no effect.
 module input_idle
   use base_kinds, only: wp
   use base_log, only: log_line, warn
-  use base_text, only: to_text
+  use base_text, only: quoted, to_text
   use boundary, only: boundary_t, moved_dofs
+  use contact_pair, only: contact_t
   use input_draft, only: draft_t
   use input_loads, only: add_pressure
   use mesh, only: is_rigid, mesh_t
   implicit none
   private
-  public :: warn_idle_loads, note_idle_materials
+  public :: warn_idle_loads, warn_idle_bodies, note_idle_materials
 
   real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! relative to the largest nodal force of a pressure
 
@@ -34,6 +35,47 @@ contains
       end associate
     end do
   end subroutine note_idle_materials
+
+  !> Warn about each rigid body that acts on no other body, because it is in no contact and its
+  !! nodes belong to no deformable element and to no constraint.
+  subroutine warn_idle_bodies(mesh, contact)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical :: acts(mesh%nnode)            ! nodes of deformable elements and of constraints
+    logical :: idle(0:size(mesh%body))
+    integer :: b, c, e, k
+
+    acts = .false.
+    idle = .false.
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) then
+        idle(mesh%block(b)%body) = .true.
+      else
+        do e = 1, mesh%block(b)%nelem
+          acts(mesh%block(b)%conn(:, e)) = .true.
+        end do
+      end if
+    end do
+    if (.not. any(idle)) return
+    associate (list => mesh%constraint)
+      if (list%n > 0) then
+        acts(list%slave(:list%n)) = .true.
+        acts(list%master(:list%first(list%n + 1) - 1)) = .true.
+      end if
+    end associate
+    do c = 1, size(contact)
+      do k = 1, 2
+        idle(mesh%block(contact(c)%side(k)%block)%body) = .false.
+      end do
+    end do
+    do b = 1, size(mesh%body)
+      if (.not. idle(b)) cycle
+      if (any(acts(mesh%body(b)%node))) cycle
+      call warn('the rigid body '//quoted(mesh%body(b)%name)//' acts on no other body, because ' &
+                //'no CONTact names its faces', mesh%body(b)%place, 'name its faces and those ' &
+                //'that they touch in a CONTact')
+    end do
+  end subroutine warn_idle_bodies
 
   !> Warn about nodal forces in directions that supports or motions prescribe, if FORCe gives one of
   !! these forces or if all nodal forces act in such directions; and warn about pressures on faces

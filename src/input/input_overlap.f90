@@ -5,7 +5,7 @@
 !! Points of the outer elements of one body are projected onto the outer faces of the other one.
 !! Flat elements of curved surfaces that just touch overlap a little, so small overlaps are ignored.
 !! Overlaps between two groups that each consist of several joined bodies are ignored too, because a
-!! deck may contain several independent models.
+!! deck may contain several independent models. Rigid bodies that overlap each other are ignored.
 module input_overlap
   use base_kinds, only: wp
   use base_log, only: warn
@@ -23,8 +23,11 @@ module input_overlap
   public :: warn_overlaps, warn_crossed
 
   !> A point is inside another body if its depth exceeds this fraction of the widths of both faces:
-  !! that of the point, and the nearest one of the other body.
+  !! that of the point, and the nearest one of the other body. The faces of rigid bodies have the
+  !! exact shape, so their widths do not matter, but they may be as large as the body.
   real(wp), parameter :: DEEP = 0.3_wp
+  integer, parameter :: INTERVALS = 2       !! intervals between the points of an edge of a face
+  integer, parameter :: RIGID_INTERVALS = 8 !! the same on rigid bodies
   integer, parameter :: MOST_PAIRS = 5  !! largest number of pairs that are named
 
 contains
@@ -121,7 +124,8 @@ contains
     if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap '//when)
   end subroutine warn_pairs
 
-  !> Mark the pairs of bodies that deform, whose boxes overlap, and that nothing joins.
+  !> Mark the pairs of bodies whose boxes overlap, of which at least one deforms, and that nothing
+  !! joins.
   subroutine find_candidates(mesh, contact, told, may)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
@@ -138,19 +142,20 @@ contains
     allocate (may(0:size(mesh%body), 0:size(mesh%body)), source=.false.)
     low = huge(low)
     high = -huge(high)
+    deforms = .false.
     do b = 1, size(mesh%block)
-      if (is_rigid(mesh%block(b))) cycle
       associate (set => mesh%block(b), a => mesh%block(b)%body)
+        if (set%nelem > 0 .and. .not. is_rigid(set)) deforms(a) = .true.
         do e = 1, set%nelem
           low(:, a) = min(low(:, a), minval(mesh%xr(:, set%conn(:, e)), 2))
           high(:, a) = max(high(:, a), maxval(mesh%xr(:, set%conn(:, e)), 2))
         end do
       end associate
     end do
-    deforms = low(1, :) <= high(1, :)
     do a = 0, size(mesh%body)
       do b = a + 1, size(mesh%body)
-        may(a, b) = all(min(high(:, a), high(:, b)) > max(low(:, a), low(:, b)))
+        may(a, b) = (deforms(a) .or. deforms(b)) .and. &
+                    all(min(high(:, a), high(:, b)) > max(low(:, a), low(:, b)))
       end do
     end do
     may(1:, 1:) = may(1:, 1:) .and. .not. told
@@ -215,17 +220,17 @@ contains
     logical, intent(out) :: found
     type(foot_t) :: foot
     real(wp) :: a(3, 2), b(3, 3), width, xi(3)
-    integer :: e, i, block, elem
+    integer :: e, i, m, block, elem
 
     found = .true.
     associate (s => own%surface)
       do e = 1, s%nelem
-        width = DEEP*face_width(own, e)
-        do i = 0, 5
-          if (i < 4) then
-            call surface_point(s, own%shape, e, 2*[real(wp) :: mod(i, 2), i/2] - 1.0_wp, x, a, b)
-          else if (i == 4) then
-            call surface_point(s, own%shape, e, [0.0_wp, 0.0_wp], x, a, b)
+        width = least_depth(mesh, own, e)
+        m = merge(RIGID_INTERVALS, INTERVALS, is_rigid(mesh%block(s%block(e))))
+        do i = 0, (m + 1)**2
+          if (i < (m + 1)**2) then
+            call surface_point(s, own%shape, e, &
+                               2*[real(wp) :: mod(i, m + 1), i/(m + 1)]/m - 1.0_wp, x, a, b)
           else
             call find_centre(mesh, s%block(e), s%elem(e), x)
           end if
@@ -234,7 +239,7 @@ contains
           call project(other%surface, other%shape, other%grid, x, foot)
           if (foot%elem == 0) cycle
           if (foot%gap > -width) cycle
-          if (foot%gap > -DEEP*face_width(other, foot%elem)) cycle
+          if (foot%gap > -least_depth(mesh, other, foot%elem)) cycle
           call locate_point(mesh, body, x, block, elem, xi)
           if (block > 0) return
         end do
@@ -242,6 +247,16 @@ contains
     end associate
     found = .false.
   end subroutine find_deep_point
+
+  !> Depth from which on a point counts as inside, as far as it depends on face e of one body [L].
+  pure real(wp) function least_depth(mesh, skin, e) result(depth)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e
+
+    depth = 0.0_wp
+    if (.not. is_rigid(mesh%block(skin%surface%block(e)))) depth = DEEP*face_width(skin, e)
+  end function least_depth
 
   !> Find the point of an element at which the parent coordinates are 0.
   subroutine find_centre(mesh, b, e, x)

@@ -153,11 +153,10 @@ contains
     end do
   end subroutine resolve_curves
 
-  !> Find the first element that contains a reference point, except in rigid bodies. `block` is 0 if
-  !! there is none.
+  !> Find the first element that contains a reference point. `block` is 0 if there is none.
   subroutine locate_point(mesh, body, x, block, elem, xi)
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body     !! index of a body; 0: the whole mesh
+    integer, intent(in) :: body     !! index of a body; 0: the whole mesh without rigid bodies
     real(wp), intent(in) :: x(3)    !! [L]
     integer, intent(out) :: block, elem
     real(wp), intent(out) :: xi(3)  !! parent coordinates
@@ -168,7 +167,7 @@ contains
 
     do b = 1, size(mesh%block)
       if (body > 0 .and. mesh%block(b)%body /= body) cycle
-      if (is_rigid(mesh%block(b))) cycle
+      if (body == 0 .and. is_rigid(mesh%block(b))) cycle
       do e = 1, mesh%block(b)%nelem
         xe = mesh%xr(:, mesh%block(b)%conn(:, e))
         low = minval(xe, 2)

@@ -207,7 +207,8 @@ contains
                 hint='start again from the deck, or restart with the program that wrote the file')
       return
     else if (same_deck .and. deck_hash /= print%deck_hash) then
-      call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', hint=SAME)
+      call fail(error, DECK_ERROR, ''''//path//''' belongs to another deck', hint=SAME &
+                //'; the command RESTart also continues with changed loads and steps')
       return
     end if
     do i = 1, size(sizes)
