@@ -26,7 +26,7 @@ module format_bext
   !> Coefficient vectors. Vector i is value(first(i) : first(i+1)-1).
   type :: vectors_t
     integer :: n = 0
-    integer :: ndense = 0      !! vectors after these are sparse and have no trailing zeros
+    integer :: ndense = 0      !! vectors after these are sparse and end with their last entry
     integer, allocatable :: first(:)
     real(wp), allocatable :: value(:)
   end type vectors_t
@@ -260,15 +260,17 @@ contains
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
                             //to_text(v)//', but there are vectors 1 to ' &
                             //to_text(vectors%n), error, &
-                            'vectors are counted from 1 in this message, first those in ' &
-                            //'dense form, then the sparse ones')
+                            'elements and vectors are counted from 1 in this message: first ' &
+                            //'the dense vectors, then the sparse ones')
           return
         end if
         length = vectors%first(v + 1) - vectors%first(v)
         if (length > nb .or. (length < nb .and. v <= vectors%ndense)) then
           call fail_in_file(text, 'element '//to_text(e)//' refers to coefficient vector ' &
-                            //to_text(v)//', which has '//to_text(length)//' numbers', error, &
-                            'an element of these degrees needs '//to_text(nb)//' numbers')
+                            //to_text(v)//', whose last coefficient has position ' &
+                            //to_text(length), error, 'a vector of an element of these degrees ' &
+                            //'has '//to_text(nb)//' coefficients; elements, vectors and ' &
+                            //'positions are counted from 1 in this message')
           return
         end if
         c(a, :length) = vectors%value(vectors%first(v):vectors%first(v + 1) - 1)

@@ -1,7 +1,8 @@
-!> BEXT 2.0 files in JSON: nodes, elements in blocks, coefficient vectors, and sets. All of
-!! these are numbered from 0.
+!> BEXT 2.0 files in JSON: nodes (the control points), elements in blocks, coefficient vectors, and
+!! sets of elements. Nodes, elements and vectors are numbered from 0.
 !!
-!! A sparse vector has the positions of its entries in `indices` and their values in `components`.
+!! A sparse vector has the positions of its entries, from 0, in `indices` and their values in
+!! `components`.
 !! Source: files of the package CoreformIGA.jl
 module format_bext_json
   use base_kinds, only: wp
@@ -72,12 +73,12 @@ contains
     if (.not. allocated(error)) call finish_surface(text, surface, error)
   end subroutine read_bext_json
 
-  !> Get a list that is in a member of the top-level object.
+  !> Get the list `name` in the member `part` of the top-level object.
   subroutine get_list(text, json, part, name, list, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(in) :: json
     character(*), intent(in) :: part, name
-    integer, intent(out) :: list
+    integer, intent(out) :: list !! number of its JSON value
     type(error_t), allocatable, intent(out) :: error
     integer :: i
 
@@ -109,8 +110,8 @@ contains
       if (allocated(error)) return
       do k = 1, n
         if (e == 0) then
-          call fail_in_file(text, 'the block has '//to_text(n)//' elements, but the list of ' &
-                            //'elements ends after '//to_text(elements%n), error)
+          call fail_in_file(text, 'the list of elements has only '//to_text(elements%n) &
+                            //' entries, fewer than the blocks announce', error)
           return
         end if
         call new_element(elements, degree, nf, json%at(e))

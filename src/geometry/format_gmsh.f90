@@ -1,9 +1,9 @@
 !> Gmsh meshes: MSH 2.2 and 4.1 in ASCII.
 !!
 !! The sections $MeshFormat, $PhysicalNames, $Entities, $Nodes and $Elements are read; others are
-!! skipped. Physical groups become named groups; version 2.2 repeats an element for each of its
-!! groups. The topology of an element type (mesh_shape) gives the corresponding Gmsh type and the
-!! order in which Gmsh numbers the nodes.
+!! skipped, except that $PartitionedEntities is an error. Physical groups become named groups;
+!! version 2.2 repeats an element for each of its groups. The topology of a solid shape
+!! (mesh_shape) contains its Gmsh type and the order in which Gmsh numbers its nodes.
 !! Source: Geuzaine and Remacle 2009; Gmsh reference manual, section MSH file format
 module format_gmsh
   use base_error, only: error_t

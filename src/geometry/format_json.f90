@@ -32,7 +32,7 @@ module format_json
 
 contains
 
-  !> Read the whole text, which becomes value 1.
+  !> Read the whole text; the value that contains all others becomes value 1.
   subroutine parse_json(text, json, error)
     type(text_t), intent(inout) :: text
     type(json_t), intent(out) :: json
@@ -128,8 +128,9 @@ contains
     i = 0
     call look(text, c)
     if (depth > DEEPEST .or. json%n >= MOST) then
-      call fail_in_file(text, 'the JSON value is too large', error, 'there may be at most ' &
-                        //to_text(MOST)//' values in at most '//to_text(DEEPEST)//' levels')
+      call fail_in_file(text, 'the JSON value is too large or nested too deeply', error, &
+                        'there may be at most '//to_text(MOST)//' values, each inside at most ' &
+                        //to_text(DEEPEST)//' others')
       return
     end if
     select case (c)

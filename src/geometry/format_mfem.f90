@@ -8,7 +8,7 @@
 !! the order of the section `edges`, each from the vertex with the lower number to the other one;
 !! the inner points of the faces, in the order in which the faces first occur in the elements,
 !! numbered on each face first along the edge between its first two vertices; the inner points of
-!! the elements.
+!! the elements, numbered in each element first along direction 1, then 2, then 3.
 !! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8
@@ -41,14 +41,15 @@ module format_mfem
     type(spline_t), allocatable :: dir(:) !! knot vectors
     real(wp), allocatable :: w(:), x(:, :) !! (n), (3, n)
     integer, allocatable :: face(:, :)    !! (4, nface) vertices, as in its first element
-    integer, allocatable :: first_edge(:) !! (nedge+1) number of points before those of each edge
-    integer, allocatable :: first_face(:) !! (nface+1)
-    integer, allocatable :: first_elem(:) !! (nelem+1)
+    integer, allocatable :: first_edge(:) !! (>= nedge) number of points before those of each edge
+    integer, allocatable :: first_face(:) !! (>= nface) the same for each face
+    integer, allocatable :: first_elem(:) !! (nelem+1) and each element; last: number of all points
   end type mfem_t
 
 contains
 
-  !> Read the element `name` (its number, from 1) of a file.
+  !> Read the element `name` (its number, from 1) of a file; if the name is blank, read the only
+  !! element.
   subroutine read_mfem(text, name, patch, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name
@@ -107,8 +108,8 @@ contains
     call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
   end subroutine read_mfem
 
-  !> Read everything up to the knot vectors. Check that the vertices and knot vectors to which
-  !! elements and edges refer exist, and that no element has a vertex twice.
+  !> Read everything up to the end of the knot vectors. Check that the vertices and knot vectors to
+  !! which elements and edges refer exist, and that no element has a vertex twice.
   subroutine read_topology(text, mfem, error)
     type(text_t), intent(inout) :: text
     type(mfem_t), intent(inout) :: mfem

@@ -41,8 +41,8 @@ contains
                 place)
     else if (file%size > MAX_SIZE) then
       call fail(error, DECK_ERROR, 'cannot read '//quoted(path)//': its size is ' &
-                //to_text(file%size)//' bytes', place, 'the file must be a text file of less ' &
-                //'than 1 GB')
+                //to_text(file%size)//' bytes', place, 'the file must be a text file of at most ' &
+                //'1 GB')
     end if
     if (allocated(error)) return
     call note_input(path)

@@ -27,7 +27,7 @@ module mesh_body
 
   !> The data of a MESH block.
   type :: mesh_spec_t
-    type(patch_spec_t) :: spec             !! name, place and placement; type of the hexahedra
+    type(patch_spec_t) :: spec             !! name, place, placement; TYPE of 8-node hexahedra
     type(mesh_file_t) :: file
     type(text_t) :: text                   !! its text, for error messages
     type(mesh_material_t), allocatable :: material(:)
@@ -122,7 +122,8 @@ contains
     integer, intent(in) :: material(:)               !! (nelem)
     type(mesh_t), intent(in) :: mesh
     type(block_t), allocatable, intent(out) :: block(:)
-    integer, allocatable, intent(out) :: place(:, :) !! (2, nelem) block of the mesh, element in it
+    !> (2, nelem) block of the mesh and element in it; 0: the element is not solid.
+    integer, allocatable, intent(out) :: place(:, :)
     integer, allocatable :: shape(:), index(:), number(:)
     integer :: b, e
 
@@ -183,7 +184,7 @@ contains
     character(64), allocatable :: names(:)
     integer :: g
 
-    hint = 'the mesh file has no physical groups; use ALL for the whole boundary'
+    hint = 'the mesh file has no groups; use ALL for the whole boundary'
     if (.not. allocated(file%group)) return
     allocate (names(size(file%group)))
     do g = 1, size(names)
@@ -192,8 +193,8 @@ contains
     hint = 'nearest known: '//trim(nearest(name, names))
   end function group_hint
 
-  !> Set the named groups of a body: the nodes of all their elements, and the faces of their surface
-  !! elements. Groups with the same name are merged.
+  !> Set the named groups of a body: the nodes of all their elements, and the boundary faces of
+  !! their surface elements. Groups with the same name are merged.
   subroutine set_groups(file, faces, place, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces
@@ -249,7 +250,8 @@ contains
     face%side = faces%side(list)
   end subroutine take_faces
 
-  !> Set the nodes of the body, its face 1, which is the whole boundary, and its mean thickness.
+  !> Set the nodes of the body, its face 1 (the whole boundary), its thickness 2 (volume)/(area),
+  !! and the summary of its file.
   subroutine set_boundary(file, faces, place, volume, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces

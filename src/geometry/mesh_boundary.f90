@@ -10,7 +10,7 @@ module mesh_boundary
   private
   public :: find_outer_faces
 
-  integer, parameter :: MOST = 4 !! corners of a face
+  integer, parameter :: MOST = 4 !! largest number of corners of a face
 
 contains
 

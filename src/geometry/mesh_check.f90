@@ -13,8 +13,9 @@ module mesh_check
   private
   public :: check_shapes, check_elements
 
-  !> A Jacobian is taken as zero if it is below this fraction of the Jacobian of a cube with the
-  !! size of the element, because a value this small comes from the rounding of the coordinates.
+  !> A Jacobian of the map from the reference element is taken as zero if its absolute value is at
+  !! most this fraction of L^3, where L is the longest edge of the bounding box of the element: such
+  !! a small value may come from the rounding of the coordinates.
   real(wp), parameter :: FLAT = 1.0e-12_wp
 
 contains
@@ -45,7 +46,7 @@ contains
   !> Check that the nodes of each element are distinct, and that the map of the element is
   !! right-handed at all integration points. The map from the reference element is checked, because
   !! the map from the parent cube of a collapsed element is nearly singular where the cube is
-  !! collapsed.
+  !! collapsed. The volume of the body is computed as well.
   subroutine check_elements(file, text, volume, error)
     type(mesh_file_t), intent(in) :: file
     type(text_t), intent(inout) :: text

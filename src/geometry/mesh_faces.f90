@@ -11,7 +11,7 @@ module mesh_faces
   private
   public :: faces_t, find_boundary, face_of
 
-  integer, parameter :: MOST = 4 !! corners of a face
+  integer, parameter :: MOST = 4 !! largest number of corners of a face
 
   !> Faces of the elements, sorted by key.
   type :: faces_t

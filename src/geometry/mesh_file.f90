@@ -72,7 +72,8 @@ contains
     file%first(e + 1) = last + 1
   end subroutine add_element
 
-  !> Put the last element into the physical group (dim, tag), and create this group if it is new.
+  !> Put the last element into the physical group (dim, |tag|), and create this group if it is new.
+  !! Gmsh gives a negative tag to an entity with reversed orientation. Tag 0 means no group.
   subroutine add_member(file, dim, tag)
     type(mesh_file_t), intent(inout) :: file
     integer, intent(in) :: dim, tag

@@ -14,7 +14,7 @@ module mesh_shape
     integer :: gmsh = 0              !! element type in Gmsh; 0: there is none
     integer :: dim = 0               !! dimension; 3 for elements of a body
     integer :: nen = 0               !! number of nodes
-    integer :: ncorner = 0           !! number of corners, which come first in a surface element
+    integer :: ncorner = 0           !! number of corners; a surface element lists them first
     !> Row of the table of elements; its name is empty if there is no row for this shape.
     type(element_t) :: row
     type(cell_t) :: cell             !! degrees of the elements
@@ -108,7 +108,8 @@ contains
     s = findloc(shapes%dim == 3 .and. shapes%nen == nen, .true., 1)
   end function solid_shape
 
-  !> Use the row `name`, which TYPE of a MESH selects, for all elements with the shape of this row.
+  !> Use the row `name`, which TYPE of a MESH selects, for all elements that have the shape and the
+  !! number of nodes of this row.
   subroutine choose_row(shapes, name)
     type(shape_t), intent(inout) :: shapes(:)
     character(*), intent(in) :: name

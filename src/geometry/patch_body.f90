@@ -102,7 +102,7 @@ contains
     end do
   end subroutine turn_faces
 
-  !> Make the control points, the block and the faces of a body of type IGA p by k-refinement
+  !> Make the control points, the block and the faces of a body of type IGA or RIGID by k-refinement
   !! (degree elevation, then knot insertion) of the geometry.
   subroutine build_iga(spec, geo, draft, error)
     type(patch_spec_t), intent(in) :: spec

@@ -1,5 +1,5 @@
-!> A body while it is being meshed. Its nodes, blocks and faces are numbered from 1 until
-!! append_draft adds them to the end of the mesh.
+!> A body while it is being meshed. Its nodes and blocks are numbered from 1 until append_draft adds
+!! them to the end of the mesh.
 module patch_draft
   use base_error, only: error_t, fail, DECK_ERROR
   use base_grow, only: grow
@@ -99,7 +99,7 @@ contains
     type(draft_t), intent(inout) :: draft
     type(spline_t), intent(in) :: s
     type(span_t), intent(out) :: span
-    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! closer spans differ only by rounding
+    real(wp), parameter :: SAME = 16*epsilon(1.0_wp) ! smaller differences come from rounding
     real(wp), allocatable :: c(:, :, :)
     type(operator_t), allocatable :: list(:)
     integer :: e, i, n, p

@@ -194,7 +194,7 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Make one block of an enriched layer.
+  !> Make one block of an enriched layer. If there are no elements, `ib` is 0.
   subroutine layer_block(spec, s, name, row, m, nelem, least, draft, ib)
     type(patch_spec_t), intent(in) :: spec
     type(surface_t), intent(in) :: s

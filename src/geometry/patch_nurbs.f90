@@ -43,8 +43,8 @@ contains
         if (last /= n + p + 1 .or. n < p + 1) then
           call fail(error, DECK_ERROR, of//' has '//to_text(last)//' knots for '//to_text(n) &
                     //' control points and degree '//to_text(p), place, &
-                    'there must be at least degree + 1 control points, and as many knots as ' &
-                    //'control points, plus the degree plus 1')
+                    'there must be at least (degree + 1) control points, and (control points ' &
+                    //'+ degree + 1) knots')
         else if (any(.not. s%knots(2:) >= s%knots(:last - 1))) then
           call fail(error, DECK_ERROR, 'the knots in '//of//' are not in ascending order', place, &
                     'list them in ascending order; a knot may be repeated')
@@ -65,7 +65,8 @@ contains
     end do
     do i = 1, 4
       if (any(.not. abs(patch%cp(i, :, :, :)) <= huge(1.0_wp))) then
-        call fail(error, DECK_ERROR, what//' has a coordinate that is not a finite number', place)
+        call fail(error, DECK_ERROR, what//' has a coordinate or weight that is not a finite ' &
+                  //'number', place)
         return
       end if
     end do
@@ -75,7 +76,7 @@ contains
     end if
   end subroutine check_nurbs
 
-  !> Check that the map is neither left-handed nor folded.
+  !> Check that the map is right-handed everywhere: neither left-handed nor folded nor singular.
   subroutine check_orientation(patch, name, place, error)
     type(nurbs_t), intent(in) :: patch
     character(*), intent(in) :: name

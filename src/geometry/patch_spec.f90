@@ -1,5 +1,5 @@
-!> The data of a PATCh or SPLIne block before it is meshed, and the map that its ROTAte, TRANslate
-!! and SCALe records define.
+!> The data of a PATCh, MESH or SPLIne block before it becomes part of the mesh, and the map that
+!! its ROTAte, TRANslate and SCALe records define.
 module patch_spec
   use base_kinds, only: wp
   use base_error, only: place_t
@@ -16,11 +16,11 @@ module patch_spec
     logical :: reverse = .false.          !! REVErse: the normal is reversed
     type(place_t) :: reverse_place
     logical :: has_layer = .false.
-    integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, as numbered in the mesh
+    integer, allocatable :: inner(:, :)   !! (4, nelem) inner nodes, as numbered in LAYEr's file
     !> MESH that contains the inner nodes; not allocated if they are nodes of the deck.
     character(:), allocatable :: mesh
     type(place_t) :: layer_place, mesh_place
-    type(constraint_t) :: constraint      !! CONStraint, with node numbers of the mesh
+    type(constraint_t) :: constraint      !! CONStraint, with the node numbers of its file
     type(place_t) :: constraint_place
     logical :: eas = .false., tapered = .false.
   end type spline_spec_t
@@ -51,7 +51,7 @@ module patch_spec
     real(wp), allocatable :: u(:)
   end type knot_list_t
 
-  !> The data of a PATCh block.
+  !> The data of a PATCh block; MESH and SPLIne use some of them.
   type :: patch_spec_t
     character(:), allocatable :: name
     type(place_t) :: place
@@ -100,7 +100,8 @@ contains
     end do
   end subroutine compose
 
-  !> Matrix of the rotation about a unit axis (Rodrigues' formula); it is exact for right angles.
+  !> Matrix of the rotation about a unit axis (Rodrigues' formula); it is exact for right angles
+  !! about a coordinate axis.
   pure function rotation(axis, angle) result(r)
     real(wp), intent(in) :: axis(3), angle
     real(wp) :: r(3, 3), c, s

@@ -38,7 +38,8 @@ contains
     side_of = mod(face + 1, 2)
   end function side_of
 
-  !> The local face of the layer elements of this surface that is parallel to `face` of the patch.
+  !> The local face of an element in the layer of surface s that points in the same direction of the
+  !! patch as face `face` of the patch.
   pure integer function local_side(s, face)
     type(surface_t), intent(in) :: s
     integer, intent(in) :: face

@@ -17,7 +17,7 @@ module spline_body
   public :: build_spline
 
   integer, parameter :: OUTER = 5 !! the surface is face 3- of the body
-  integer, parameter :: LAYER_SIDE = 5, TOOL_SIDE = 6
+  integer, parameter :: LAYER_SIDE = 5, TOOL_SIDE = 6 !! the surface is this face of an element
 
   !> Elements with the same degrees and number of functions.
   type :: group_t
@@ -120,7 +120,7 @@ contains
       end if
       call new_block(draft, spec, name, row, cell%degree, nen, group(g)%nelem, group(g)%block)
       associate (b => draft%block(group(g)%block))
-        deallocate (b%ext%iop) ! the operators are those of whole elements
+        deallocate (b%ext%iop) ! an element has one operator, not one for each direction
         allocate (b%ext%isurface(group(g)%nelem), source=0)
         if (spec%spline%surface%rational) allocate (b%ext%w(group(g)%nf, group(g)%nelem))
         call row%rule(cell, spec%q, spec%qz, b%rule)

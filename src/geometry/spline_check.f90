@@ -49,7 +49,7 @@ contains
   end subroutine orient_tool
 
   !> Make a_1 x a_2 point towards the inner nodes in all elements of the layer; fail if elements
-  !! disagree.
+  !! disagree. If a_1 x a_2 is reversed, the inner nodes are reordered accordingly.
   subroutine orient_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(inout) :: spec
     real(wp), intent(in) :: xr(:, :)
@@ -84,6 +84,7 @@ contains
       if (first(1) > 0) return
       call transpose_surface(s)
       inner = inner([1, 4, 3, 2], :)
+      if (allocated(spec%spline%inner)) spec%spline%inner = spec%spline%inner([1, 4, 3, 2], :)
     end associate
   end subroutine orient_layer
 
@@ -92,20 +93,22 @@ contains
   subroutine check_layer(spec, xr, inner, error)
     type(patch_spec_t), intent(in) :: spec
     real(wp), intent(in) :: xr(:, :)
-    integer, intent(in) :: inner(:, :)
+    integer, intent(in) :: inner(:, :) !! (4, nelem) nodes
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: point(:, :), node(:), elem(:)
+    integer, allocatable :: point(:, :), node(:), elem(:), number(:), given(:, :)
     real(wp) :: x(3, 4), way(4)
     integer :: c, e, i, k
 
     associate (s => spec%spline%surface)
       call number_corners(s, point)
-      allocate (node(maxval(point)), elem(maxval(point)), source=0)
+      allocate (node(maxval(point)), elem(maxval(point)), number(maxval(point)), source=0)
+      given = inner ! their numbers in the message are those of the file of LAYEr
+      if (allocated(spec%spline%inner)) given = spec%spline%inner
       do e = 1, s%nelem
         do i = 1, 4
           x(:, i) = corner_point(s, e, i)
         end do
-        do k = 1, 4 ! fail if another order would bring the nodes nearer to the corners
+        do k = 1, 4 ! fail if starting at another corner brings the nodes nearer to the corners
           way(k) = sum(norm2(xr(:, inner(:, e)) - cshift(x, k - 1, 2), 1))
         end do
         if (way(1) > minval(way(2:))) then
@@ -120,10 +123,12 @@ contains
             if (node(p) == 0) then
               node(p) = inner(c, e)
               elem(p) = e
+              number(p) = given(c, e)
             else if (node(p) /= inner(c, e)) then
               call fail(error, DECK_ERROR, 'elements '//to_text(elem(p))//' and '//to_text(e) &
                         //' of layer '//quoted(spec%name)//' share a corner, but have different ' &
-                        //'inner nodes there, '//to_text(node(p))//' and '//to_text(inner(c, e)), &
+                        //'inner nodes there, '//to_text(number(p))//' and ' &
+                        //to_text(given(c, e)), &
                         spec%spline%layer_place, 'elements that share a corner of the surface ' &
                         //'must share its inner node')
               return

@@ -53,7 +53,8 @@ contains
     end if
   end subroutine read_spline_file
 
-  !> Read the surface with the id `name`, or the only surface, and extract it element by element.
+  !> Read the surface with the id `name`, or the only surface if the name is blank, and extract it
+  !! element by element.
   subroutine read_gismo_surface(text, name, surface, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name

@@ -88,7 +88,8 @@ contains
       if (n < 1 .or. n > MOST_MASTERS .or. i /= 2 + 2*n) then
         call fail_in_file(text, 'the record has '//to_text(i)//' numbers, which do not fit ' &
                           //to_text(n)//' masters', error, 'a record consists of the slave, the ' &
-                          //'number n of masters, and n pairs of a master and its coefficient')
+                          //'number n of masters (1 to '//to_text(MOST_MASTERS)//'), and n ' &
+                          //'pairs of a master and its coefficient')
         return
       end if
       master = [(0, i=1, n)]
@@ -100,8 +101,8 @@ contains
       end do
       if (slave < 1 .or. any(master == 0)) then
         call fail_in_file(text, 'node number '//to_text(min(slave, 0))//' is not positive', error, &
-                          'only masters may have negative numbers: -k is control point k of the ' &
-                          //'surface')
+                          'only masters of a SPLIne may have negative numbers: -k is control ' &
+                          //'point k of its surface')
         return
       end if
       call add_constraint(list, slave, master, c, place)

@@ -25,9 +25,9 @@ module spline_surface
     integer, allocatable :: elem(:) !! indices, from 1
   end type spline_set_t
 
-  !> Functions of element e: N = C B with C = op(iop(e)) and Bernstein polynomials B on [-1,1]^2,
-  !! the first direction fastest. The functions belong to the control points node(first(e) :
-  !! first(e+1)-1).
+  !> A surface. The functions of element e, before they are weighted, are N = C B with C =
+  !! op(iop(e)) and the Bernstein polynomials B on [-1,1]^2, the first direction fastest. They
+  !! belong to the control points node(first(e) : first(e+1)-1).
   type :: spline_surface_t
     integer :: nnode = 0, nelem = 0
     real(wp), allocatable :: x(:, :)      !! (3, nnode) control points without weights [L]
@@ -65,7 +65,8 @@ contains
 
     if (.not. x(4) > 0.0_wp) then
       call fail_in_file(text, 'control point '//to_text(s%nnode + 1)//' has the weight ' &
-                        //to_text(x(4)), error, 'weights must be positive')
+                        //to_text(x(4)), error, 'weights must be positive; control points are ' &
+                        //'counted from 1 in this message')
       return
     end if
     s%nnode = s%nnode + 1
@@ -89,7 +90,7 @@ contains
       call fail_in_file(text, 'element '//to_text(e)//' refers to control point ' &
                         //to_text(node(a))//', but the surface has control points 1 to ' &
                         //to_text(s%nnode), error, &
-                        'control points are counted from 1 in this message')
+                        'elements and control points are counted from 1 in this message')
       return
     end do
     do b = 1, size(c, 2)
@@ -127,7 +128,7 @@ contains
     end if
   end subroutine check_sizes
 
-  !> Find the index of an operator; equal operators are stored once.
+  !> Find the index of operator c, and store c if it is new; equal operators are stored once.
   subroutine find_operator(s, c, iop)
     type(spline_surface_t), intent(inout) :: s
     real(wp), intent(in) :: c(:, :)
