@@ -104,7 +104,8 @@ contains
     call set_zero(a)
   end subroutine new_pattern
 
-  !> Check that the positions of scalar entries, 9 for each block, fit into default integers.
+  !> Check that the positions of scalar entries, 9 for each block, fit into default integers. Before
+  !! the blocks are counted, this is checked for the number of nodes in all cliques.
   subroutine check_size(nblock, error)
     integer(i8), intent(in) :: nblock
     type(error_t), allocatable, intent(out) :: error
@@ -185,8 +186,8 @@ contains
   !> Find the positions, in the matrix, of the 3x3 blocks of all pairs of nodes of one element.
   !!
   !! map(b1, b2) is the block of row node conn(b1) and column node conn(b2), or 0 if a symmetric
-  !! matrix stores the transpose instead. If b1 and b2 differ but conn(b1) = conn(b2), both pairs
-  !! map to the diagonal block of this node.
+  !! matrix stores the transpose instead or the pattern does not contain the pair. If b1 and b2
+  !! differ but conn(b1) = conn(b2), both pairs map to the diagonal block of this node.
   subroutine map_one(a, conn, map, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: conn(:)    !! (nen)

@@ -1,8 +1,8 @@
 !> Corrects kept factors at the nodes where the matrix has changed most, usually nodes in contact.
 !!
 !! The kept factors M give an approximate solution for the whole matrix A. Then the equations S of
-!! all nodes whose diagonal block has changed by more than CHANGED since M was made are solved
-!! exactly with the current block A_SS:
+!! all nodes whose diagonal block has changed by more than the fraction CHANGED since M was made are
+!! solved with factors of the current block A_SS, in single precision:
 !!
 !!   z = M^-1 r,   z_S <- z_S + A_SS^-1 (r - A z)_S .
 !!
@@ -30,7 +30,8 @@ module factor_correction
 
   type :: correction_t
     logical :: acts = .false.              !! it is used for the current matrix
-    real(wp), allocatable, private :: known(:, :, :) !! (3, 3, nnode) diagonal blocks of A for M
+    !> (3, 3, nnode) diagonal blocks of the matrix whose factors are kept.
+    real(wp), allocatable, private :: known(:, :, :)
     integer, allocatable, private :: eq(:, :)        !! (3, nnode) numbers in A_SS, 0: not in S
     integer, allocatable, private :: whole(:)        !! (ns) numbers of these equations in A
     integer, allocatable, private :: col(:)          !! pattern of the last analysis
@@ -53,8 +54,8 @@ contains
     end do
   end subroutine note_matrix
 
-  !> Make the correction for a matrix. It is not used if nothing or too much has changed,
-  !! if it would cost too much, or if there is too little memory.
+  !> Make the correction for a matrix. It is not used if nothing or too much has changed, if it
+  !! would cost too much, if there is too little memory, or if A_SS is singular.
   subroutine correct(correction, a, eq, most, error)
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a

@@ -2,22 +2,23 @@
 !!
 !! FULL:    factorises every matrix.
 !! REUSE:   keeps a factorisation as the preconditioner of conjugate gradients (or of GMRES if the
-!!          matrix is unsymmetric or has negative pivots) until iterations cost more than a
-!!          factorisation.
+!!          matrix is unsymmetric, or if the factors have negative pivots or are corrected) until
+!!          iterations become so expensive that a new factorisation saves work.
 !! SINGLE:  does the same with factors in single precision, which need half the memory.
 !! LOWRANK: does the same with compressed factors.
 !! AUTO:    is the same as FULL if a factorisation costs at most as much as KEEPING iterations, and
 !!          the same as SINGLE otherwise.
 !!
-!! If memory is too short, AUTO tries factors in single precision, then compressed factors, then
-!! factors on disk; the other modes, except LOWRANK, write the factors to disk right away.
+!! If memory is too short, AUTO tries factors in single precision: first as they are, then
+!! compressed, then on disk. FULL, REUSE and SINGLE write the factors to disk right away, and
+!! LOWRANK ends with an error.
 !!
 !! The solution meets the same tolerance in every mode.
 !!
 !! AUTO chooses between FULL and SINGLE by the numbers of operations and entries that the analysis
 !! finds. If factors in single precision turn out not to suffice, they are made in double precision
-!! from then on. If the caller needs the signs of the pivots or of the determinant, FULL and AUTO
-!! find them for every matrix, the other modes only when they factorise.
+!! until the next force_refactor. If the caller needs the signs of the pivots or of the determinant,
+!! FULL and AUTO find them for every matrix, the other modes only when they factorise.
 !!
 !! If kept factors no longer suffice, they are first corrected at the nodes where the matrix has
 !! changed most, usually nodes in contact (factor_correction). They are replaced only if this does
@@ -26,8 +27,8 @@
 !! A kept factorisation becomes less useful as the matrix changes. The cost of gaining one decimal
 !! digit, averaged over the life of a factorisation, is least if the factorisation is replaced as
 !! soon as a digit costs more than the average so far. Costs are expressed in iterations; the
-!! operations of a factorisation are converted to iterations. Times are not measured, so that runs
-!! can be repeated exactly.
+!! operations of a factorisation are converted to iterations. Measured times have no influence, so
+!! that runs can be repeated exactly.
 module linear_system
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG, NO_SOLUTION
@@ -55,7 +56,7 @@ module linear_system
   integer, parameter :: MOST_ATTEMPTS = 4
   !> Largest number of operations of a correction, relative to a new factorisation.
   real(wp), parameter :: WORTHWHILE = 0.3_wp
-  integer, parameter :: EXACT_LIMIT = 10 !! iterations with exact factors of the same matrix
+  integer, parameter :: EXACT_LIMIT = 10 !! limit on iterations with exact factors of this matrix
   !> A solve is taken to gain at least this many digits, because even the easiest one costs a whole
   !! iteration.
   real(wp), parameter :: FEWEST_DIGITS = 2.0_wp
@@ -176,7 +177,7 @@ contains
     if (size(eq) > 0) ls%neq = maxval(eq)
   end subroutine change_pattern
 
-  !> Do solves use factors of earlier matrices, or factors that are not exact?
+  !> May solves use factors of earlier matrices, or factors that are not exact?
   pure logical function keeps_factors(self)
     class(linear_system_t), intent(in) :: self
 
@@ -350,8 +351,8 @@ contains
     call describe(ls, report)
   end subroutine factorise
 
-  !> Find the signs of all pivots. They are known if kept factors show that the matrix is positive
-  !! definite; otherwise the next solve factorises the matrix.
+  !> Try to find the signs of all pivots without a new factorisation. They are known if kept factors
+  !! show that the matrix is positive definite; otherwise the next solve factorises the matrix.
   subroutine prove_definite(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
@@ -386,8 +387,9 @@ contains
     end associate
   end function are_doubtful
 
-  !> Iterate with the existing factors, by conjugate gradients if matrix and factors are positive
-  !! definite as far as is known.
+  !> Iterate with the existing factors: by conjugate gradients if matrix and factors are positive
+  !! definite as far as is known and the factors are not corrected, otherwise by GMRES. If conjugate
+  !! gradients meet a direction of negative curvature with current factors, GMRES follows.
   subroutine iterate(ls, a, rhs, x, tolerance, run, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a

@@ -89,7 +89,7 @@ contains
     runs = associated(m%d) .or. associated(m%s)
   end function runs
 
-  !> Set the options of the analysis.
+  !> Set the options of the analysis and of the factorisation, before the analysis.
   subroutine give_options(m, symmetric, low_rank, ordering, on_disk)
     type(mumps_t), intent(inout) :: m
     logical, intent(in) :: symmetric

@@ -3,8 +3,8 @@
 !! Pivots alone do not show whether a matrix is singular: rounding leaves pivots of 1e-9 in a free
 !! slender body, and supported slender bodies have pivots of 1e-10. Two steps of inverse iteration
 !! find the smallest eigenvalue itself, which is of the order of the rounding unit if the matrix is
-!! singular, and far larger otherwise. The matrix is scaled by the sums of the absolute values in
-!! its rows, so that units and stiff parts of the model have no influence.
+!! singular, and far larger otherwise. Rows and columns are divided by the square roots of the sums
+!! of the absolute values in the rows, so that units and stiff parts of the model have no influence.
 module null_space
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -17,7 +17,7 @@ module null_space
   !> Eigenvalues below this limit are taken as zero. Free bodies of all shapes had eigenvalues of
   !! 6e-17 to 9e-17, and a clamped bar of 3000 cubes in a row had one of 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
-  real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same limit for factors in single precision
+  real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same limit for approximate factors
   integer, parameter :: MOST = 14  !! motions found at once: six of each of two bodies, and two more
   integer, parameter :: STEPS = 2  !! number of steps of inverse iteration
 
@@ -27,8 +27,8 @@ contains
   !! changed. Otherwise `null` gets one equation for each free motion, such that supports at these
   !! equations would prevent the motions.
   !!
-  !! If approximate factors do not give a clear answer, the matrix is reported as singular, and
-  !! exact factors must decide.
+  !! If approximate factors do not give a clear answer, the matrix is reported as singular (with
+  !! equation 1 in place of the free motions), and exact factors must decide.
   subroutine prove_regular(a, eq, solver, exact, null, error)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)              !! (3, nnode) equation numbers, 0: prescribed

@@ -3,8 +3,8 @@
 !! The graph has one vertex for each node with free dofs. This graph has about a third of the
 !! vertices of the graph of the equations, and it keeps the dofs of a node together. Several Linux
 !! distributions build MUMPS without METIS, and MUMPS then silently replaces METIS by another
-!! ordering. Therefore the ordering is computed here and passed to MUMPS. Source: Karypis and Kumar
-!! 1998 [bib: karypis1998], METIS_NodeND
+!! ordering. Therefore the ordering is computed here and passed to MUMPS.
+!! Source: Karypis and Kumar 1998 [bib: karypis1998], METIS_NodeND
 module partition_metis
   use, intrinsic :: iso_c_binding, only: c_int, c_int32_t, c_int64_t, c_loc, c_null_ptr, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR

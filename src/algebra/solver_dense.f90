@@ -41,7 +41,8 @@ contains
 
     if (neq > MOST_EQUATIONS .or. (size(order) /= 0 .and. size(order) /= neq)) then
       call fail(error, BUG, 'expected at most '//to_text(MOST_EQUATIONS)//' equations for the ' &
-                //'dense solver, found '//to_text(neq))
+                //'dense solver, with positions for all or none, found '//to_text(neq) &
+                //' equations and '//to_text(size(order))//' positions')
       return
     end if
     self%neq = neq

@@ -67,7 +67,7 @@ module tangent_factors
     type(entries_t), private :: entries
     integer, allocatable, private :: order(:) !! of the elimination, for the current pattern
     logical, private :: analysed = .false.  !! the solver knows the current pattern
-    logical, private :: proved = .false.    !! an earlier matrix of this system was regular
+    logical, private :: proved = .false.    !! the last matrix that was factorised was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice
     integer, private :: way = 1 !! way in use: of `ways`, or of EXACT_WAYS if `escalated`
     !> A sentence that has not been reported yet: why a way other than the first is used.
@@ -133,11 +133,19 @@ contains
   !> Store the factors in the next way, and note why.
   subroutine take_next_way(factors)
     type(factors_t), intent(inout) :: factors
+    real(wp) :: available
 
-    factors%note = 'a factorisation '//describe_storage(the_way(factors))//' needs about ' &
-                   //to_text(nint(factors%estimate_mb, i8))//' MB, but only ' &
-                   //to_text(nint(memory_mb(factors), i8))//' MB are available; factors are ' &
-                   //'computed '
+    available = memory_mb(factors)
+    factors%note = 'a factorisation '//describe_storage(the_way(factors))
+    if (factors%estimate_mb > available) then
+      factors%note = factors%note//' needs about '//to_text(nint(factors%estimate_mb, i8)) &
+                     //' MB, but only '//to_text(nint(available, i8))//' MB are available'
+    else
+      factors%note = factors%note//' failed, although the ' &
+                     //to_text(nint(factors%estimate_mb, i8)) &
+                     //' MB that it was estimated to need are available'
+    end if
+    factors%note = factors%note//'; factors are computed '
     factors%way = factors%way + 1
     factors%note = factors%note//describe_storage(the_way(factors))
     factors%analysed = .false.
