@@ -1,7 +1,8 @@
 !> Curves as tables of columns for gnuplot, numpy and pandas: `<stem>_<curve>.dat`.
 !!
-!! The first line is `# name name ...`. It is followed by one row for each step, with numbers of 16
-!! digits. Each row is handed to the operating system before the next step begins.
+!! The first line is `# name name ...`. A row follows for each step (TPLOt may leave out steps); its
+!! real numbers have 16 digits. Each row is handed to the operating system before the next step
+!! begins.
 module curve_file
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG

@@ -1,7 +1,7 @@
 !> The fields of a result: their names and their values at the points of the view.
 !!
 !! Fields of contact are smoothed to nodes and control points. They are zero at all points of the
-!! view that are not on the surfaces.
+!! view that are not on a surface over which a contact integrates.
 module fields
   use base_kinds, only: wp
   use base_text, only: lower, key_of
@@ -60,8 +60,8 @@ contains
   end function default_fields
 
   !> Find the known fields that a word of the deck selects. A field of bodies is recognised by its
-  !! first four letters, a field of contacts by its whole name; CONTact selects all fields of
-  !! contacts.
+  !! first four letters, a field of contacts by its whole name; CONTact, or any other word that
+  !! begins with these four letters, selects all fields of contacts.
   pure function named_fields(word) result(named)
     character(*), intent(in) :: word
     logical :: named(size(known_fields()))

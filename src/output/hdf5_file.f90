@@ -82,7 +82,7 @@ contains
     call h5sclose_f(space, status)
   end subroutine reserve
 
-  !> Change the length of a dataset that was created with `most`.
+  !> Change the length of a one-dimensional dataset that was created with `most`.
   subroutine set_length(file, name, nrow, error)
     type(hdf5_t), intent(in) :: file
     character(*), intent(in) :: name

@@ -1,4 +1,4 @@
-!> Writes the part of JSON that a report needs. Numbers have 17 digits, so that reading them
+!> Writes the part of JSON that a report needs. Real numbers have 17 digits, so that reading them
 !! restores the same bits. A number that is not finite becomes null.
 module json_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
@@ -14,8 +14,8 @@ module json_text
 
 contains
 
-  !> Text in quotes. Control codes are escaped. Bytes that are not UTF-8 are read as Latin 1 and are
-  !! escaped too.
+  !> Text in quotes. Quotes, backslashes and control codes are escaped. Bytes that are not UTF-8 are
+  !! read as Latin 1 and are escaped too.
   pure function json_string(text) result(json)
     character(*), intent(in) :: text
     character(:), allocatable :: json

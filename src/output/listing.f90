@@ -56,7 +56,7 @@ contains
       call list_contact(model%contact(m))
     end do
     if (any(is_rigid(model%mesh%block)) .and. size(model%contact) == 0) then
-      call log_line('rigid     the deck has no CONTact, so rigid patches move only the nodes ' &
+      call log_line('rigid     the deck has no CONTact, so rigid bodies move only the nodes ' &
                     //'tied to them')
     end if
     call list_free_bodies(model)

@@ -1,11 +1,11 @@
 !> Contacts in the log: their description before the first step, and after each step the resultants
 !! of both sides, the balance with the supports, and the states of the points.
 !!
-!! In the two-half-pass algorithm each side integrates its own tractions, so the two resultants
-!! differ by the discretisation error, which their relative sum shows. With BALAnced or a rigid side
-!! the forces are opposite; the moments are opposite too, up to an error of tangential force times
-!! penetration. The forces of supports, contacts and loads add up to zero within the residual of the
-!! step.
+!! With HALFpass each side integrates its own tractions, so the two resultants differ by the
+!! discretisation error, which their relative sum shows. With MORTar, BALAnced or a rigid side the
+!! forces are opposite; the moments are opposite too, up to an error of tangential force times
+!! penetration. In a step without inertia, the forces of supports, contacts and loads add up to zero
+!! within the residual of the step.
 module listing_contact
   use base_kinds, only: wp
   use base_log, only: log_line

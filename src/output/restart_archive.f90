@@ -254,8 +254,8 @@ contains
     call check_sum(archive, path, hash, error)
   end subroutine sum_integers
 
-  !> The checksum includes the name of the dataset, but not its first group, because a checkpoint
-  !! may be moved from the group `last` to the group `before`.
+  !> Store a checksum or compare it with the stored one. It includes the path of the dataset without
+  !! the first group, because the group `last` of a checkpoint is later copied to `before`.
   subroutine check_sum(archive, path, hash, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: path

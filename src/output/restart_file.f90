@@ -1,9 +1,10 @@
 !> Checkpoints: `<stem>.restart.h5` holds the last two checkpoints.
 !!
 !! A new file is written next to the old one and takes the name of the old one when it is complete.
-!! There is thus always a complete file, even if the program is killed. Real numbers keep all their
-!! bits. A file is read only by the version of the program that wrote it, and for the same deck and
-!! mesh; the command RESTart also accepts another deck with the same model.
+!! After the first checkpoint, there is thus always a complete file, even if the program is killed.
+!! Real numbers keep all their bits. A file is read only by the version of the program that wrote
+!! it, and for the same deck and model. The command RESTart also accepts another deck if its model
+!! has only other loads, or, with CONStants, other constants of materials and contacts too.
 module restart_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: file_t, inspect, note_input, replace_file, remove_file, FILE_REGULAR
@@ -26,7 +27,7 @@ module restart_file
   integer, parameter :: FORMAT = 11
   character(*), parameter :: SEAL_MARK = new_line('a')//'bezel checksum '
 
-  !> The version, deck and mesh that a checkpoint belongs to.
+  !> The version, deck and model to which a checkpoint belongs.
   type :: fingerprint_t
     character(:), allocatable :: version, deck_hash
     integer :: sizes(4) = 0 !! nodes, blocks, elements, equations
@@ -130,7 +131,7 @@ contains
     logical, intent(in), optional :: before
     logical, intent(in), optional :: any_deck !! accept a checkpoint of another deck with the same
     !! model, whatever its loads
-    logical, intent(in), optional :: constants !! accept other constants with any_deck
+    logical, intent(in), optional :: constants !! with any_deck: accept other constants too
     character(:), allocatable, intent(out), optional :: changed !! which accepted parts differ
     type(error_t), allocatable :: second
     type(archive_t) :: archive
@@ -174,8 +175,8 @@ contains
     character(:), allocatable, intent(out) :: changed !! parts that differ and are accepted
     logical, intent(in), optional :: any_deck
     logical, intent(in), optional :: constants
-    character(*), parameter :: SAME = 'restart with the deck, the included files and the --set ' &
-                               //'values of the analysis that wrote it'
+    character(*), parameter :: SAME = 'restart with the deck, the files that it reads and the ' &
+                               //'--set values of the analysis that wrote it'
     character(*), parameter :: SIZE_OF(4) = ['nodes         ', 'element blocks', &
                                              'elements      ', 'equations     ']
     type(error_t), allocatable :: ignored

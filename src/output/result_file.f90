@@ -47,7 +47,7 @@ contains
   end subroutine open_result
 
   !> Choose the fields that OUTPut names, or the default fields of the model if it names none. This
-  !! must precede the first step.
+  !! must precede the first call of write_result.
   subroutine choose_fields(result, chosen)
     type(result_file_t), intent(inout) :: result
     logical, intent(in) :: chosen(:) !! which of known_fields are chosen

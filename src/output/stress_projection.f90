@@ -22,7 +22,7 @@ module stress_projection
 contains
 
   !> Compute stress and von Mises stress at the nodes; they are zero at nodes that belong to no
-  !! element.
+  !! deformable element.
   subroutine project_stress(model, state, stress, mises)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -1,5 +1,5 @@
-!> The mesh that a viewer shows, with exact geometry. Spline and quadratic elements become Bezier
-!! cells; other elements become the cells that their topologies name.
+!> The mesh that a viewer shows, with exact geometry. Elements with splines and 27-node hexahedra
+!! become Bezier cells; other elements become the cells that their topologies name.
 !!
 !! Each point of the view is a linear combination of nodes and control points. One sparse matrix
 !! maps positions, displacements and fields at nodes to the points at every step.

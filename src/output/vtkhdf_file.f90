@@ -2,7 +2,7 @@
 !!
 !! A step is written into space that the file has allocated, handed to the operating system, and
 !! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.
-!! When this space is used up, a file with twice the space is written next to the old file and takes
+!! When the space is used up, a file with twice the space is written next to the old file and takes
 !! the name of the old file. Closing the file releases the unused space; a restart keeps the steps
 !! up to its checkpoint.
 module vtkhdf_file
@@ -24,7 +24,7 @@ module vtkhdf_file
     character(:), allocatable :: path
     type(run_info_t) :: info
     real(wp), allocatable :: xr(:, :)           !! (3, npoint) reference positions of the points [L]
-    character(16), allocatable :: names(:)      !! fields; set by the first step
+    character(16), allocatable :: names(:)      !! fields; set by the first step or an old file
     integer :: nstep = 0, room = 0  !! steps in the file, and steps for which it has space
     integer, allocatable :: number(:)           !! (nstep) step numbers of the analysis
   end type vtkhdf_t
@@ -114,7 +114,8 @@ contains
     if (same) same = all(field%name == result%names)
     if (.not. same) then
       call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first ' &
-                //'step', hint='put OUTPut with all fields before the first PLOT')
+                //'step', hint='put OUTPut with all fields before the first PLOT; a restarted ' &
+                //'run must write the fields of the old file')
       return
     end if
     k = count(result%number < step) + 1
