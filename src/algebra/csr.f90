@@ -254,7 +254,8 @@ contains
     a%diagonal = reshape(list, [3, 3, a%nnode])
   end subroutine sum_diagonal
 
-  !> The diagonal block of a node; zero if it is not stored.
+  !> The diagonal block of a node. Of a matrix that ranks share, it is the part of this rank until
+  !! sum_diagonal has been called.
   pure function diagonal_block(a, n) result(block)
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: n

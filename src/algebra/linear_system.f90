@@ -229,7 +229,7 @@ contains
     report%converged = .true.
     if (ls%neq == 0) return
     if (.not. all(ieee_is_finite(rhs))) then
-      call fail(error, NO_SOLUTION, 'the residual contains a number that is not finite')
+      call fail(error, NO_SOLUTION, 'the residual or the load contains a number that is not finite')
       return
     end if
     same = .false.
@@ -377,8 +377,8 @@ contains
                   .and. ls%factors%solver%info%negative == 0
   end function is_definite
 
-  !> Do approximate factors have negative pivots or a determinant that is not positive, which may be
-  !! due to rounding?
+  !> Are the factors approximate, and do they have negative pivots or a determinant that is not
+  !! positive? Such signs may be due to rounding.
   pure logical function are_doubtful(ls)
     class(linear_system_t), intent(in) :: ls
 

@@ -110,7 +110,8 @@ contains
       end if
       call next_integer(text, 'an element type', etype, error)
       if (.not. allocated(error)) call next_count(text, 'the number of elements', number(g), error)
-      if (.not. allocated(error)) call next_integer(text, 'the number of functions', nf(g), error)
+      if (.not. allocated(error)) call next_integer(text, 'the number of control points', nf(g), &
+                                                    error)
       if (.not. allocated(error)) call next_integer(text, 'the number of vectors', nvector, error)
       if (.not. allocated(error)) call next_integer(text, 'a degree', degree(1, g), error)
       if (.not. allocated(error)) call next_integer(text, 'a degree', degree(2, g), error)

@@ -110,8 +110,8 @@ contains
       if (allocated(error)) return
       do k = 1, n
         if (e == 0) then
-          call fail_in_file(text, 'the list of elements has only '//to_text(elements%n) &
-                            //' entries, fewer than the blocks announce', error)
+          call fail_in_file(text, 'the list of elements ends after entry ' &
+                            //to_text(elements%n)//', but the blocks announce more', error)
           return
         end if
         call new_element(elements, degree, nf, json%at(e))

@@ -93,7 +93,7 @@ contains
   end subroutine read_nodes
 
   !> Read the first two numbers of a record of n words: its own number, and the increment of
-  !! generation, which must be 0.
+  !! generation, which must be 0. The record must have `least` to `most` words.
   subroutine read_head(text, n, least, most, usage, number, error)
     type(text_t), intent(inout) :: text
     integer, intent(in) :: n, least, most
@@ -104,8 +104,9 @@ contains
 
     number = 0
     if (n < least .or. n > most) then
-      call fail_in_file(text, 'the record has '//to_text(n)//' numbers', error, &
-                        'write records in the form '''//usage//'''')
+      call fail_in_file(text, 'the record has the wrong number of words ('//to_text(n)//')', &
+                        error, 'write records in the form '''//usage//'''; a blank line ends ' &
+                        //'the list')
       return
     end if
     call next_integer(text, 'a number', number, error)
@@ -139,7 +140,8 @@ contains
       if (allocated(error)) return
       s = solid_shape(file%shapes, n - 3)
       if (s == 0) then
-        call fail_in_file(text, 'the element has '//to_text(n - 3)//' nodes', error, &
+        call fail_in_file(text, 'the element has '//to_text(n - 3) &
+                          //trim(merge(' node ', ' nodes', n == 4)), error, &
                           'known elements have '//node_counts(file%shapes%row%deck_nodes)//' nodes')
         return
       end if

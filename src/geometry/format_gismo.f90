@@ -1,5 +1,5 @@
-!> G+Smo XML files: one body, a geometry TensorNurbs3 or TensorBSpline3, or one surface, a geometry
-!! TensorNurbs2 or TensorBSpline2.
+!> G+Smo XML files, of which one geometry is read: a body (TensorNurbs3 or TensorBSpline3) or a
+!! surface (TensorNurbs2 or TensorBSpline2).
 !!
 !! The reader uses the knot vectors with their degrees, the weights and the coefficients, in which
 !! the first direction varies fastest. Other geometries of the file and other tags are skipped.
@@ -74,7 +74,7 @@ contains
     if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
   end subroutine read_gismo
 
-  !> Find the part of the file that contains the geometry.
+  !> Find the part of the file, from its first to its last character, that contains the geometry.
   subroutine find_geometry(text, name, ndir, first, last, error)
     type(text_t), intent(inout) :: text
     character(*), intent(in) :: name

@@ -297,7 +297,8 @@ contains
     entity = 0
     do b = 1, nblock
       if (is_new) then
-        call next_integers(text, 'the dimension, tag or kind of an entity', entity, error)
+        call next_integers(text, 'the dimension, tag or parametric flag of an entity', entity, &
+                           error)
         if (.not. allocated(error)) call next_count(text, 'the number of nodes', n, error)
         if (allocated(error)) return
         if (n > file%nnode - done) then

@@ -1,6 +1,7 @@
 !> Reads JSON files as a tree of values; error messages give the line of the file.
 !!
-!! Values are numbered in the order of the file: i + 1 is the first member or element of value i.
+!! Values are numbered in the order of the file: i + 1 is the first member or element of value i, if
+!! it has any.
 !! Names and strings are not decoded; they keep their escape sequences. The depth of nesting and the
 !! number of values are limited.
 !! Source: RFC 8259

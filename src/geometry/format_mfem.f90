@@ -4,11 +4,15 @@
 !! positions. The positions are not multiplied by the weights. The boundary is skipped. A knot
 !! vector runs along its edge from the first vertex given to the second one.
 !!
-!! The control points are numbered in this order: the vertices; the inner points of the edges, in
-!! the order of the section `edges`, each from the vertex with the lower number to the other one;
-!! the inner points of the faces, in the order in which the faces first occur in the elements,
-!! numbered on each face first along the edge between its first two vertices; the inner points of
-!! the elements, numbered in each element first along direction 1, then 2, then 3.
+!! The control points are numbered in this order:
+!!
+!! 1. the vertices;
+!! 2. the inner points of the edges, in the order of the section `edges`, and on each edge from the
+!!    vertex with the lower number to the other one;
+!! 3. the inner points of the faces, in the order in which the faces first occur in the elements,
+!!    and on each face first along the edge between its first two vertices;
+!! 4. the inner points of the elements, and in each element first along direction 1, then 2, then 3.
+!!
 !! Source: mfem.org, mesh format; the files in the data folder of MFEM
 module format_mfem
   use base_kinds, only: wp, i8
@@ -139,7 +143,7 @@ contains
             return
           end if
           do i = 1, 8
-            call next_count(text, 'a vertex', mfem%vertex(i, e), error)
+            call next_count(text, 'a vertex number', mfem%vertex(i, e), error)
             if (allocated(error)) return
           end do
         end do
@@ -157,7 +161,7 @@ contains
         allocate (mfem%edge(3, n))
         do e = 1, n
           do i = 1, 3
-            call next_count(text, 'a knot vector or vertex of an edge', mfem%edge(i, e), error)
+            call next_count(text, 'the number of a knot vector or vertex', mfem%edge(i, e), error)
             if (allocated(error)) return
           end do
         end do

@@ -297,8 +297,8 @@ contains
     end do
     body%note = to_text(count(file%solid))//' elements, '//to_text(count(used))//' nodes, ' &
                 //to_text(count(faces%bounds))//' faces on the boundary'
-    if (.not. all(used)) body%note = body%note//'; '//to_text(count(.not. used)) &
-                                     //' nodes of the file that belong to no element are ignored'
+    if (.not. all(used)) body%note = body%note//'; nodes of the file that belong to no solid ' &
+                                     //'element: '//to_text(count(.not. used))
   end subroutine set_boundary
 
 end module mesh_body

@@ -256,10 +256,10 @@ contains
     m = spec%nelem(d)/size(k)
     if (m*size(k) /= spec%nelem(d)) then
       call fail(error, DECK_ERROR, &
-                "patch '"//spec%name//"' has "//to_text(spec%nelem(d))//' elements in direction ' &
-                //to_text(d)//', but '//to_text(size(k))//' knot spans', spec%place, &
-                'give a multiple of '//to_text(size(k))//' elements, or list the knots in KNOTs,' &
-                //to_text(d))
+                "the number of elements of patch '"//spec%name//"' in direction "//to_text(d) &
+                //' is '//to_text(spec%nelem(d))//', which is not a multiple of its ' &
+                //to_text(size(k))//' knot spans', spec%place, 'give a multiple of ' &
+                //to_text(size(k))//' in ELEMents, or list the knots in KNOTs,'//to_text(d))
       return
     end if
     breaks = [((old(e) + (old(e + 1) - old(e))*i/m, i=0, m - 1), e=1, size(k)), &

@@ -20,9 +20,9 @@ module spline_check
   real(wp), parameter :: ALIKE = 1.0e-9_wp     !! function values this close are taken as equal
   integer, parameter :: MORE = 6               !! additional Gauss points, for rational functions
   integer, parameter :: MOST_SAMPLES = 3000
-  !> Two elements face each other if the cosine of the angle between their normals is at most
-  !! OPPOSITE, and that between the line that joins them and the normal of one of them exceeds
-  !! STRAIGHT.
+  !> Limits for elements that face each other: the cosine of the angle between their normals is at
+  !! most OPPOSITE, and the cosine of the angle between a normal and the line that joins the
+  !! elements exceeds STRAIGHT.
   real(wp), parameter :: OPPOSITE = -0.5_wp, STRAIGHT = 0.8_wp
   !> A surface is closed if |sum of area vectors|/area is below this limit.
   real(wp), parameter :: CLOSED = 1.0e-6_wp

@@ -82,7 +82,8 @@ contains
       type(surface_t), intent(in) :: s
       character(:), allocatable :: part
 
-      part = s%name//' ('//to_text(s%nelem)//' elements, '
+      part = s%name//' ('//to_text(s%nelem)//trim(merge(' element ', ' elements', s%nelem == 1)) &
+             //', '
       if (s%rigid) then
         part = part//'rigid)'
       else
@@ -141,8 +142,8 @@ contains
                   //', relative moment'//ratio(load_moment, all_sides%moment_size/2))
   end subroutine list_contacts
 
-  !> The state of the points of both sides or, in self-contact, of the only side. The cells of the
-  !! default scheme can touch where no integration point lies.
+  !> The state of the points of both sides or, in self-contact, of the only side. The cells of
+  !! MORTar can touch where no integration point lies.
   pure function closed_text(side) result(text)
     type(resultant_t), intent(in) :: side(:)
     character(:), allocatable :: text
@@ -196,7 +197,7 @@ contains
     text = ' '//trim(adjustl(field))
   end function number
 
-  !> The numbers of both sides, or, in self-contact, the number of its only side.
+  !> The numbers of both sides as text; in self-contact, that of the only side.
   pure function text_of(n) result(text)
     integer, intent(in) :: n(:)
     character(:), allocatable :: text

@@ -1,5 +1,4 @@
-!> Distinguishes models by hashes of their parts, so that a checkpoint is read only for the model
-!! from which it was written.
+!> Distinguishes models by hashes of their parts, so that a checkpoint of another model is rejected.
 module model_hash
   use base_hash, only: hash_t
   use boundary, only: boundary_t

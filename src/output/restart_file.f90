@@ -253,7 +253,7 @@ contains
               hint='restart from a file <deck>.restart.h5 of this program')
   end subroutine refuse_file
 
-  !> Append the hash of a complete file to it. HDF5 ignores what follows its own data.
+  !> Append to a complete file the hash of its contents. HDF5 ignores what follows its own data.
   subroutine seal(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error

@@ -7,11 +7,11 @@
 !!
 !! with Bernstein polynomials B_i. The rational Bezier cell with the points P_i and weights W_i is
 !! thus identical to the element: positions, displacements and fields at the nodes are mapped by the
-!! coefficients a_iA / W_i. The cell has the degrees of the element. If only the surface is rational
-!! (an enriched element with surface weights W(xi, eta)), the degrees of W and of the bulk functions
-!! add up in their products. In both directions of the surface, the degree of the cell is then
-!! higher by that of the bulk functions (one or two), and the cell is still exact. Its weights are
-!! positive, because degree elevation takes means of the coefficients of W.
+!! coefficients a_iA / W_i. In general it has the degrees of the element. If only the surface is
+!! rational (an enriched element with surface weights W(xi, eta)), the degrees of W and of the bulk
+!! functions add up in their products. In both directions of the surface, the degree of the cell is
+!! then higher by that of the bulk functions (one or two), and the cell is still exact. Its weights
+!! are positive, because degree elevation takes means of the coefficients of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier

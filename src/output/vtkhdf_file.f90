@@ -1,4 +1,4 @@
-!> The result file `<stem>.vtkhdf`: fields of all steps on one geometry.
+!> The result file `<stem>.vtkhdf`: fields of all selected steps on one geometry.
 !!
 !! A step is written into space that the file has allocated, handed to the operating system, and
 !! only then counted (NSteps). A run that is killed at any moment leaves all earlier steps readable.

@@ -1,8 +1,8 @@
 !> Structure of a `.vtkhdf` file: VTKHDF 2.6, UnstructuredGrid with steps.
 !!
 !! The geometry is stored once. The fields have space for a number of steps, which is allocated when
-!! the file is created. The attribute NSteps counts the complete steps: it is changed last when a
-!! step is written.
+!! the file is created. The attribute NSteps counts the complete steps: when a step is written, it
+!! is changed last, together with the list of times.
 module vtkhdf_layout
   use base_error, only: error_t
   use base_kinds, only: wp, i8
@@ -157,7 +157,8 @@ contains
       call reserve(file, path, AS_INT64, 0, size(values, kind=i8), error)
       call put(file, path, values, error)
     end if
-    call describe(file, path, 'first row of a step', '-', 'step', error)
+    call describe(file, path, 'where a step begins; NumberOfParts: how many parts it has', '-', &
+                  'step', error)
   end subroutine write_starts
 
   subroutine write_list(file, path, values, type, description, error)

@@ -1,5 +1,5 @@
-!> Writes one `.vtu` file for each step, and a `.pvd` file that lists them. VTK shows them exactly
-!! from version 9.3 on.
+!> Writes one `.vtu` file for each step whose fields are written, and a `.pvd` file that lists these
+!! files. VTK shows them exactly from version 9.3 on.
 !!
 !! The files are XML with the numbers appended in binary. Each is written under another name and
 !! renamed when it is complete.
