@@ -34,7 +34,8 @@ contains
     integer, intent(in) :: eq(:, :)              !! (3, nnode) equation numbers, 0: prescribed
     class(solver_t), intent(inout) :: solver     !! with the factors of the matrix
     logical, intent(in) :: exact                 !! factors in double precision, not compressed
-    !> Equations of free motions: on entry those that the solver found, on exit all of them.
+    !> Equations of free motions: on entry those that the solver found, on exit all of them if the
+    !! factors are exact.
     integer, allocatable, intent(inout) :: null(:)
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: q(:, :), s(:), lambdas(:)

@@ -333,7 +333,8 @@ contains
   subroutine look_for_motions(factors, a, null, error)
     type(factors_t), intent(inout) :: factors
     type(block_matrix_t), intent(in) :: a
-    !> Equations of free motions: on entry those that the solver found, on exit all of them.
+    !> Equations of free motions: on entry those that the solver found, on exit all of them if the
+    !! factors are exact.
     integer, allocatable, intent(inout) :: null(:)
     type(error_t), allocatable, intent(out) :: error
 

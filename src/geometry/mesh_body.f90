@@ -116,7 +116,8 @@ contains
     end do
   end subroutine find_materials
 
-  !> Make a block for each combination of shape and material, in the order in which they appear.
+  !> Make a block for each combination of shape and material, in the order in which the combinations
+  !! first occur in the file.
   subroutine make_blocks(file, material, mesh, block, place)
     type(mesh_file_t), intent(in) :: file
     integer, intent(in) :: material(:)               !! (nelem)

@@ -65,7 +65,7 @@ contains
   end subroutine read_layer
 
   !> Read hanging nodes. A record consists of the slave, the number of its masters, and each master
-  !! with its coefficient. A negative master -k is control point k of the surface.
+  !! with its coefficient. A negative master -k of a SPLIne is control point k of its surface.
   subroutine read_constraints(path, list, place, error)
     character(*), intent(in) :: path
     type(constraint_t), intent(inout) :: list

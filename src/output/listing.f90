@@ -16,7 +16,8 @@ module listing
 
 contains
 
-  !> List sizes, element types and laws with their sources, contacts, and warnings about the model.
+  !> List sizes, element types and laws with their sources, and contacts; then issue the warnings
+  !! about the model.
   subroutine list_model(model)
     type(model_t), intent(in) :: model
     character(:), allocatable :: text

@@ -7,11 +7,11 @@
 !!
 !! with Bernstein polynomials B_i. The rational Bezier cell with the points P_i and weights W_i is
 !! thus identical to the element: positions, displacements and fields at the nodes are mapped by the
-!! coefficients a_iA / W_i. In general it has the degrees of the element. If only the surface is
-!! rational (an enriched element with surface weights W(xi, eta)), the degrees of W and of the bulk
-!! functions add up in their products. In both directions of the surface, the degree of the cell is
-!! then higher by that of the bulk functions (one or two), and the cell is still exact. Its weights
-!! are positive, because degree elevation takes means of the coefficients of W.
+!! coefficients a_iA / W_i. In general the cell has the degrees of the element. If only the surface
+!! is rational (an enriched element with surface weights W(xi, eta)), the degrees of W and of the
+!! bulk functions add up in their products. In both directions of the surface, the degree of the
+!! cell is then higher by that of the bulk functions (one or two), and the cell is still exact. Its
+!! weights are positive, because degree elevation takes means of the coefficients of W.
 !!
 !! The a_iA are found by interpolation, which needs only the functions and degrees of the element.
 module view_bezier
@@ -69,7 +69,7 @@ contains
     if (.not. is_rational(cell)) weight = 1.0_wp
   end subroutine bezier_cell
 
-  !> Evaluate the functions times the denominator, and the denominator, at a grid of points.
+  !> Evaluate the functions times their denominator W, and W itself, at a grid of points.
   subroutine sample(row, cell, degree, a)
     type(element_t), intent(in) :: row
     type(cell_t), intent(in) :: cell
