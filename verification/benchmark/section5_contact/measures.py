@@ -65,7 +65,7 @@ def cost(rows):
             cells = lambda f, e=e, mu=mu: ", ".join(over_meshes(f, rows, lambda m: (m, e, mu)))
             shown.append([
                 e, f"{mu:g}", cells(lambda r: reached(r) + r["steps"]), cells(lambda r: r["iterations_per_step"]),
-                cells(lambda r: f"{float(r['seconds']):.0f}"),
+                cells(lambda r: f"{float(r['seconds']):{'.1f' if float(r['seconds']) < 10 else '.0f'}}"),
                 cells(lambda r: f"{100 * float(r['contact_share']):.0f}"),
             ])  # fmt: skip
     head = (
