@@ -8,8 +8,8 @@
 !!
 !! When a contact opens, closes, slips or moves to other elements, the penalty changes a few rows of
 !! A. M does not contain these changes, and iterations with M alone find the corresponding motions
-!! only one by one. A_SS is small, and is factorised anew for each matrix A. S grows until M is
-!! renewed.
+!! only one by one. A_SS is usually much smaller than A, and is factorised anew for each matrix A. S
+!! grows until M is renewed.
 module factor_correction
   use base_agreement, only: agree
   use base_comm, only: largest
