@@ -24,12 +24,13 @@ module input_check
   private
   public :: check_references, check_size, check_jacobians
 
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! a Jacobian below this fraction of the largest is
-  !! zero
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! a Jacobian is zero up to this fraction of the
+  !! largest in its element; parent coordinates are equal up to this difference
 
 contains
 
-  !> Check that the names and numbers to which records refer exist; errors go to the list.
+  !> Check that the names and numbers to which records refer exist, that the words of materials
+  !! apply to the bodies that use them, and that no patch is too large; errors go to `draft%errors`.
   subroutine check_references(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error
@@ -62,7 +63,8 @@ contains
         if (p%npatch == 0) cycle
         if (p%npatch > size(draft%npatch)) then
           call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
-                    p%npatch_place, 'the deck has '//to_text(size(draft%npatch))//' NPATch solids')
+                    p%npatch_place, 'number of NPATch records in the deck: ' &
+                    //to_text(size(draft%npatch)))
           call draft%errors%add(error)
         else
           draft%npatch(p%npatch)%is_geometry = .true.
@@ -257,7 +259,7 @@ contains
 
     if (.not. any(mesh%used)) then
       call fail(error, DECK_ERROR, 'the mesh has no elements', draft%control%place, &
-                'add ELEMents, BLOCk, NPATch, PATCh or MESH')
+                'add ELEMents, BLOCk, NPATch, PATCh, MESH or SPLIne')
     else if (all(is_rigid(mesh%block))) then
       call fail(error, DECK_ERROR, 'all bodies are rigid', draft%control%place, &
                 'add a body that can deform')
@@ -328,12 +330,12 @@ contains
           hint = 'TIE has joined nodes of this element, because their distance is less than ' &
                  //to_text(tolerance(draft, mesh), 3)//' of the extent of the mesh: give TIE a ' &
                  //'smaller tolerance'
-        else if (turned) then
+        else if (turned .and. block%body == 0) then
           hint = 'list the nodes of both faces in the same order: the fifth node must lie ' &
                  //'opposite the first, the sixth opposite the second'
         else if (block%body > 0) then
-          hint = 'check the shape of the body; in a PATCh, more elements follow the shape ' &
-                 //'more closely, or other faces can be enriched'
+          hint = 'check the shape of the body; the elements of a PATCh follow a curved face ' &
+                 //'more closely if there are more of them or if the face is enriched'
         else
           hint = order_hint(block, first, mesh%xr)
         end if
@@ -343,9 +345,9 @@ contains
     end do
   end subroutine check_jacobians
 
-  !> Hint: how to number the nodes of an inverted element of ELEMents. If a node after the corners
-  !! lies nearer to the position that another node should have than to that which it should have
-  !! itself, the hint names the first such node, because the deck gives the nodes in a wrong order.
+  !> Hint: how to number the nodes of an inverted element of ELEMents or BLOCk. If a node that is no
+  !! corner lies nearer to the position that another node should have than to its own position, the
+  !! hint names the first such node, because the deck gives the nodes in a wrong order.
   function order_hint(block, e, xr) result(hint)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -383,8 +385,9 @@ contains
         if (distance(a) <= minval(distance)) cycle
       end associate
       call find_ends(topology, a, at)
-      hint = 'node '//to_text(i)//' in its list, '//to_text(block%conn(a, e))//', is not near ' &
-             //'the middle between nodes '//to_text(block%conn(at(1), e))//' and ' &
+      hint = 'node '//to_text(block%conn(a, e))//', number '//to_text(i)//' in the list of the ' &
+             //'element, is not near the middle between nodes ' &
+             //to_text(block%conn(at(1), e))//' and ' &
              //to_text(block%conn(at(2), e))//': see the order of nodes under ELEMents in the ' &
              //'manual'
       if (i == 9 .and. topology%shape == 'tetrahedron') then

@@ -25,8 +25,8 @@ module input_conditions
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
   !! are selected (FEAP), relative to the extent of the mesh
-  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! the same for points, where squared distances are
-  !! compared
+  real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! default difference of the squared distances of
+  !! nodes that are equally near to a point, relative to the square of the extent (FEAP)
 
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! displacements whose relative difference is less
   !! are equal
@@ -41,7 +41,7 @@ module input_conditions
 
 contains
 
-  !> Set the conditions of the deck in `bc`; errors go to the list.
+  !> Set the conditions of the deck in `bc`; errors go to `draft%errors`.
   subroutine apply_conditions(draft, mesh, new, bc)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh !! before TIE
@@ -62,7 +62,7 @@ contains
       bc%value(:, :n) = draft%nodes%value(:, :n)
       bc%force(:, :n) = draft%nodes%force(:, :n)
     end if
-    do i = 1, draft%named_nodes%place%n ! nodes that records referred to before they were defined
+    do i = 1, draft%named_nodes%place%n ! nodes that records name
       n = draft%named_nodes%node(i)
       if (n > draft%nodes%top .and. n <= mesh%nnode) cycle ! the node belongs to a patch
       if (n <= draft%nodes%top) then
@@ -340,7 +340,7 @@ contains
         lost = lost .and. .not. abs(now) > 0.0_wp
       case (C_VALUE, C_TABLE)
         lost = lost .and. abs(before - now) > 0.0_wp
-      case default ! a force would have been added
+      case default ! without this record the forces would add up, so that even equal ones are lost
       end select
       found = .false.
       do j = i + 1, draft%ncondition
@@ -396,7 +396,8 @@ contains
         end do
         if (acts .or. .not. any(on)) cycle
         call warn('the load numbers of this record have no effect: no node on the plane has a ' &
-                  //'nodal force or displacement in these directions', r%place, 'give a force or ' &
+                  //'nodal force or displacement in the directions of these numbers', r%place, &
+                  'give a force or ' &
                   //'displacement there, for instance with EFORce, FORCe or EDISplacement; ' &
                   //'PRESsure and MOVE have their own PROP k')
       end associate
@@ -474,9 +475,9 @@ contains
             if (nint(r%value(d)) /= 0 .or. draft%support(j)%code(d) == 0) cycle
             n = count(on(draft%support(j)%node))
             if (n == 0) cycle
-            call warn(trim(WORDS(r%word))//' SET leaves direction '//to_text(d)//' of ' &
-                      //to_text(n)//' nodes free, but FIX in line ' &
-                      //to_text(draft%support(j)%at%place%line)//' restrains it: FIX takes ' &
+            call warn(trim(WORDS(r%word))//' SET leaves direction '//to_text(d)//' free, but FIX ' &
+                      //'in line '//to_text(draft%support(j)%at%place%line) &
+                      //' restrains it (number of these nodes: '//to_text(n)//'): FIX takes ' &
                       //'precedence', r%place, 'FIX adds to all other restraints: leave the ' &
                       //'direction free in FIX too')
             exit search

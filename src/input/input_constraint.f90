@@ -13,7 +13,7 @@ module input_constraint
   public :: close_constraints, release_slaves
 
   real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! largest distance of a slave from the place that its
-  !! masters give it, relative to the extent of the masters
+  !! masters give it, relative to its distance from the farthest master
   real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients or of a
   !! prescribed value
 
@@ -132,8 +132,9 @@ contains
               'a hanging node must lie on the edge or face between its masters')
   end subroutine check_place
 
-  !> Remove the supports of slaves, which follow their masters. Fail unless the displacement
-  !! prescribed at a slave follows from those of its masters.
+  !> Remove the supports of slaves, which follow their masters. Fail if a master of a restrained
+  !! slave is free in the same direction, or if the displacement that DISPlacement and similar words
+  !! prescribe at the slave does not follow from those of its masters.
   subroutine release_slaves(draft, mesh, bc)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -155,7 +156,7 @@ contains
             m = list%master(j)
             if (.not. held(d, m)) then
               call fail(error, DECK_ERROR, named(mesh, s)//' is restrained, but its master ' &
-                        //named(mesh, m)//' is free', list%place(i), &
+                        //named(mesh, m)//' is free in direction '//to_text(d), list%place(i), &
                         'restrain all masters of this hanging node, which follows them')
               exit directions
             end if

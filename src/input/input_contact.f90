@@ -10,7 +10,7 @@
 !! MORTar, the factor is 100 instead of 125, and the mean area is that of the elements that are
 !! nearest to the other surface at the start. A factor given with AUTO multiplies eps.
 !!
-!! Under a pressure p the penetration is (p/E) h/125. The constant is that of Corbett and Sauer
+!! Under a pressure p the penetration is (p/E) h/125. The value 125 is that of Corbett and Sauer
 !! 2015, section 5.3: eps = 125 E/L, 250 E/L and 500 E/L on blocks with modulus E and elements of
 !! length L, L/2 and L/4.
 module input_contact
@@ -39,7 +39,8 @@ module input_contact
 
   real(wp), parameter :: STIFF = 125.0_wp, STIFF_AT_CELLS = 100.0_wp !! times E/h
   real(wp), parameter :: CLOSING = 32.0_wp     !! opening at release, divided by d of SMOOth
-  real(wp), parameter :: LOCKS = 4.0_wp        !! largest penalty at points, relative to AUTO
+  real(wp), parameter :: LOCKS = 4.0_wp        !! largest penalty at integration points of MORTar,
+  !! relative to AUTO
   integer, parameter :: MOST_POINTS = 10000000 !! largest number of integration points of a surface
   real(wp), parameter :: ROUNDING = 1.0e-9_wp   !! relative rounding error of a penalty
   real(wp), parameter :: COLLAPSED = 1.0e-10_wp !! an element is collapsed if its area is less
@@ -48,7 +49,7 @@ module input_contact
 contains
 
   !> Make the contacts of the model. The functions of the mesh must have been tabulated, and its
-  !! nodes tied. Errors go to the list.
+  !! nodes tied. Errors go to `draft%errors`.
   subroutine build_contacts(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -101,7 +102,7 @@ contains
     call make_sides(draft, at, model, contact, error)
     if (allocated(error)) return
     smooths = .false.
-    if (contact%scheme == 0) then ! bonds, BORDer and REFIne need integration points
+    if (contact%scheme == 0) then ! bonds, BORDer and REFIne are not available with MORTar
       contact%scheme = MORTAR
       if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) then
         contact%scheme = BALANCED
@@ -157,8 +158,9 @@ contains
     if (.not. contact%self .and. common_faces(contact%side(1), contact%side(2)) > 0) then
       call fail(error, DECK_ERROR, quoted(contact%side(1)%name)//' and ' &
                 //quoted(contact%side(2)%name)//' of contact '//quoted(contact%name)//' have ' &
-                //to_text(common_faces(contact%side(1), contact%side(2)))//' element faces in ' &
-                //'common', at(2)%face_place, 'give two surfaces without a common face; for ' &
+                //'element faces in common (number: ' &
+                //to_text(common_faces(contact%side(1), contact%side(2)))//')', &
+                at(2)%face_place, 'give two surfaces without a common face; for ' &
                 //'self-contact give the same surface twice')
       return
     end if
@@ -167,7 +169,8 @@ contains
     if (n > MOST_POINTS) then
       call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//' has '//to_text(n) &
                 //' integration points on a side, more than '//to_text(MOST_POINTS), &
-                contact%place, 'use fewer points in QUADrature, or a coarser surface')
+                contact%place, 'use fewer points in QUADrature, a smaller number in REFIne, or a ' &
+                //'coarser surface')
       return
     end if
     call tabulate_contact(contact, contact%ngauss(1), contact%ngauss(2))
@@ -342,7 +345,7 @@ contains
   end function softest
 
   !> Check the surfaces of contacts and the contacts of curves before the bodies are meshed. Errors
-  !! go to the list. The names of patches have been checked already.
+  !! go to `draft%errors`. The names of patches have been checked already.
   subroutine check_contacts(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error

@@ -1,5 +1,6 @@
-!> Warnings about models that can be solved but are probably not intended: elements that are given
-!! twice or twisted, and elements that lock.
+!> Warnings about models that can be solved but are probably not intended: elements in the same
+!! place (an error if they also have the same nodes and material), twisted elements, and elements
+!! that lock or have other large errors.
 module input_doubts
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -263,7 +264,8 @@ contains
     line(:, 2) = x(:, 4) - x(:, 1) + x(:, 3) - x(:, 2)
   end function middle_lines
 
-  !> Warn about nearly incompressible materials in elements that are not made for them.
+  !> Warn about nearly incompressible materials in elements that have large errors with them; once
+  !! for each material.
   !!
   !! - Linear displacement elements lock. As an example, a cube of 3 x 3 x 3 elements with a
   !!   Poisson's ratio of 0.499 is squeezed between rough plates. The force on it, divided by that
@@ -294,13 +296,13 @@ contains
         if (any(warned == m%number)) cycle
         if (block%row%nmode > 0) then
           if (.not. block%row%spline .or. m%prop(NU) < SOFT_FROM) cycle
-          call doubt(m, block%name, 'may be too soft', 'use TYPE Q1E9 without ENRIch, or a ' &
-                     //"smaller Poisson's ratio; refine to see the error")
+          call doubt(m, block%name, 'may be too soft', 'use Q1E9 elements without an enriched or ' &
+                     //"spline layer, or a smaller Poisson's ratio; refine to see the error")
         else if (linear(block%name)) then
           if (m%prop(NU) < LOCKING_FROM) cycle
           call doubt(m, block%name, 'lock', 'use TYPE Q1E9 (with ENRIch: EAS; with ELEMents: ' &
-                     //'ENHAnced), or Q2; elements that lock give displacements that are far too ' &
-                     //'small')
+                     //'ENHAnced), or Q2, and tetrahedra of 10 nodes; elements that lock give ' &
+                     //'displacements that are far too small')
         else
           if (m%prop(NU) < SOFT_FROM) cycle
           call doubt(m, block%name, 'have stresses that oscillate', 'trust displacements and ' &
@@ -309,7 +311,8 @@ contains
         warned = [warned, m%number]
       end associate
     end do
-    do b = 1, size(mesh%block) ! other elements of the same material have larger errors
+    do b = 1, size(mesh%block) ! Q1E9, unless other elements of its material, with larger errors,
+      ! have been named
       if (is_rigid(mesh%block(b))) cycle
       associate (block => mesh%block(b), m => draft%model%material(mesh%block(b)%material))
         if (block%row%nmode == 0 .or. block%row%spline .or. any(warned == m%number)) cycle

@@ -34,7 +34,7 @@ module input_draft
   type :: patch_entry_t
     type(patch_spec_t) :: spec
     integer :: material = 0            !! the user's number
-    integer :: npatch = 0  !! NPATch that gives its geometry; 0: none
+    integer :: npatch = 0  !! number of the NPATch that gives its geometry; 0: none
     type(mesh_spec_t) :: mesh          !! spec of a MESH
     type(place_t) :: material_place, npatch_place
   end type patch_entry_t
@@ -113,7 +113,7 @@ module input_draft
     integer :: direction = 0           !! normal of a plane; 0: a point or a surface
     real(wp) :: at(3) = 0.0_wp         !! point, or coordinate of a plane in at(1) [L]
     real(wp) :: gap = -1.0_wp          !! GAP [L]; negative: FEAP's default
-    real(wp) :: value(3) = 0.0_wp
+    real(wp) :: value(3) = 0.0_wp      !! codes, displacements [L], forces [F] or load numbers
     real(wp), allocatable :: surface(:, :) !! (4, 9) points [L] and pressures [F/L^2]
     type(place_t) :: place
   end type condition_entry_t
@@ -149,7 +149,7 @@ module input_draft
     type(place_list_t) :: places
     logical :: node_twice = .false.      !! the warning about nodes given twice was issued
     logical :: force_twice = .false.     !! the same for FORCe
-    type(unread_constraints_t) :: tables !! constraint tables next to mesh files
+    type(unread_constraints_t) :: tables !! constraint tables next to mesh files, and those read
     !> TRANsform: a position x becomes turn x + shift [L].
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3])
     real(wp) :: shift(3) = 0.0_wp
@@ -170,12 +170,13 @@ module input_draft
     type(condition_entry_t), allocatable :: condition(:) !! (>= ncondition)
     type(tie_entry_t), allocatable :: tie(:)
     logical :: ended = .false.         !! the deck ended inside a set
-    logical :: incomplete = .false.    !! an unknown word was skipped: definitions may be missing
+    logical :: incomplete = .false.    !! definitions may be missing, because an unknown word was
+    !! skipped or the deck ended inside a set
     logical :: in_set = .false.        !! between a word and the blank record of its set
     logical :: skips_comments = .false. !! skip comments in the set instead of closing it
     integer :: closed = 0 !! row of the word of this set or, between sets, of the last one
     type(place_t) :: closed_place      !! place where that set begins
-    integer :: closed_line = 0         !! line in which that set ends
+    integer :: closed_line = 0         !! line of the blank record that closed that set; 0: none
     logical :: has_pending = .false.
     type(record_t) :: pending          !! a word that closed a set without a blank record
   end type draft_t
@@ -327,7 +328,8 @@ contains
     end do
   end subroutine skip_set
 
-  !> Fail if the number of a node or element is not positive or is too large for a list.
+  !> Fail if the number of a node, an element, a control point or a knot vector is not positive or
+  !! is too large for a list.
   subroutine check_number(what, n, place, error)
     character(*), intent(in) :: what
     integer, intent(in) :: n
@@ -336,11 +338,11 @@ contains
 
     if (n < 1) then
       call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is not positive', place, &
-                'numbers begin at 1; close the set with a blank record')
+                'numbers begin at 1; to end the set, leave a blank record')
     else if (n > MAX_NUMBER) then
       call fail(error, DECK_ERROR, what//' number '//to_text(n)//' is larger than ' &
                 //to_text(MAX_NUMBER), &
-                place, 'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                place, 'numbers may be from 1 to '//to_text(MAX_NUMBER))
     end if
   end subroutine check_number
 
@@ -354,7 +356,7 @@ contains
     if (abs(step) > MAX_NUMBER) then
       call fail(error, DECK_ERROR, 'the increment '//to_text(step)//' is not between -' &
                 //to_text(MAX_NUMBER)//' and '//to_text(MAX_NUMBER), place, &
-                'a mesh may have at most '//to_text(MAX_NUMBER)//' nodes and elements')
+                'numbers of nodes and elements are at most '//to_text(MAX_NUMBER))
     end if
   end subroutine check_increment
 

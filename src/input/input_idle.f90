@@ -1,4 +1,4 @@
-!> Warnings about loads, materials and rigid bodies that have no effect.
+!> Warnings and notes about loads, materials and rigid bodies that have no effect.
 module input_idle
   use base_kinds, only: wp
   use base_log, only: log_line, warn

@@ -10,14 +10,15 @@ module input_lists
   public :: node_list_t, element_list_t, named_nodes_t, place_list_t, grow_nodes, grow_elements, &
             add_place, add_named_node
 
-  integer, parameter, public :: MAX_NUMBER = 50000000 !! largest number of nodes or elements
+  integer, parameter, public :: MAX_NUMBER = 50000000 !! the largest number that a node or an
+  !! element may have
 
   !> Nodes 1 to `top`; `given` is false for numbers that the deck leaves out.
   type :: node_list_t
     integer :: top = 0                       !! largest number with a position
     real(wp), allocatable :: x(:, :)         !! (3, n) [L]
     logical, allocatable :: given(:)         !! (n)
-    real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: no control point
+    real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: an ordinary node
     integer, allocatable :: code(:, :)       !! (3, n) BOUN
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
     logical, allocatable :: forced(:)        !! (n) named in a record of FORC, not generated
@@ -44,7 +45,7 @@ module input_lists
     type(place_t), allocatable :: at(:)
   end type place_list_t
 
-  !> Nodes that records refer to before they are defined.
+  !> Nodes that records name, possibly before they are defined.
   type :: named_nodes_t
     integer, allocatable :: node(:) !! (>= place%n)
     type(place_list_t) :: place

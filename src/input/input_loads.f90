@@ -13,8 +13,8 @@ module input_loads
 
 contains
 
-  !> Integrate the dead loads of each load number into one load; follower pressures are not
-  !! integrated here.
+  !> Integrate the dead loads of each load number into one load. Follower pressures are not
+  !! integrated here; only they remain in `bc%pressure`.
   subroutine integrate_loads(model)
     type(model_t), intent(inout) :: model
     type(pressure_t), allocatable :: follower(:)

@@ -23,19 +23,21 @@ module input_mesh
 
 contains
 
-  !> Compare the mesh with the numbers in the control record. It is an error if the mesh exceeds
-  !! them, as FEAP's manual requires.
+  !> Compare the largest numbers of nodes, elements and materials, and the largest number of nodes
+  !! per element, with the control record. It is an error if they exceed it, as in FEAP's manual.
   subroutine count_mesh(draft)
     type(draft_t), intent(inout) :: draft
 
     associate (c => draft%control)
-      call compare(draft, c%numnp, draft%nodes%top, 'numnp', 'nodes')
-      call compare(draft, c%numel, draft%elements%top, 'numel', 'elements')
+      call compare(draft, c%numnp, draft%nodes%top, 'numnp', 'node number')
+      call compare(draft, c%numel, draft%elements%top, 'numel', 'element number')
       if (size(draft%model%material) > 0) then
-        call compare(draft, c%nummat, maxval(draft%model%material%number), 'nummat', 'materials')
+        call compare(draft, c%nummat, maxval(draft%model%material%number), 'nummat', &
+                     'material number')
       end if
       if (draft%elements%top > 0) then
-        call compare(draft, c%nen, maxval(draft%elements%nen), 'nen', 'nodes per element')
+        call compare(draft, c%nen, maxval(draft%elements%nen), 'nen', &
+                     'number of nodes per element')
       end if
     end associate
   end subroutine count_mesh
@@ -44,18 +46,19 @@ contains
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: announced, found
     character(*), intent(in) :: name !! name in the control record
-    character(*), intent(in) :: what !! name of the objects in the plural
+    character(*), intent(in) :: what !! what is compared, for the message
     type(error_t), allocatable :: error
 
     if (announced == 0 .or. found <= announced) return
-    call fail(error, DECK_ERROR, 'the deck has '//to_text(found)//' '//what//', but '//name &
-              //' in its control record is '//to_text(announced), draft%control%place, &
+    call fail(error, DECK_ERROR, 'the largest '//what//' in the deck is '//to_text(found) &
+              //', but '//name//' in its control record is '//to_text(announced), &
+              draft%control%place, &
               'correct '//name//', or write '//name//' = 0 and let the program count')
     call draft%errors%add(error)
   end subroutine compare
 
   !> Make the nodes, then a block for each material and number of nodes, in order of appearance;
-  !! errors go to the list.
+  !! errors go to `draft%errors`.
   subroutine make_mesh(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh
@@ -161,7 +164,7 @@ contains
   end subroutine make_block
 
   !> Append the NPATch bodies on the given control points, then the patches in deck order; errors go
-  !! to the list. Then mark the nodes that elements use.
+  !! to `draft%errors`. Then mark the nodes that elements use.
   subroutine make_bodies(draft, mesh)
     type(draft_t), intent(inout) :: draft
     type(mesh_t), intent(inout) :: mesh

@@ -29,7 +29,9 @@ module input_mismatch
 
   !> Faces of one kind that do not match.
   type :: mismatch_t
-    integer :: n = 0, larger = 0, smaller = 0 !! number of larger faces; the first one, and its part
+    integer :: n = 0 !! number of larger faces
+    integer :: larger = 0, smaller = 0 !! the first larger face, and a smaller one that has some of
+    !! its nodes and no others
   end type mismatch_t
 
 contains
@@ -62,8 +64,8 @@ contains
       end if
     end do
     if (hanging%n > 0) then
-      call warn(text_of(mesh, faces, hanging)//' elements only at corners, so that ' &
-                //to_text(count(hangs))//' nodes between these corners are not joined', &
+      call warn(text_of(mesh, faces, hanging)//' elements only at corners, so that the nodes ' &
+                //'between these corners (number: '//to_text(count(hangs))//') are not joined', &
                 place_of(draft, mesh, faces, hanging), 'the faces come apart between their ' &
                 //'corners: use elements of one degree, or bodies joined by CONTact with COHEsive')
     end if

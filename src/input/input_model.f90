@@ -103,7 +103,8 @@ contains
     call move_alloc(draft%model, model)
   end subroutine build_model
 
-  !> Read the title, the control record, and one word after another up to END.
+  !> Read the title, the control record, one word after another up to END, and the TIE and
+  !! PARAmeters after it.
   subroutine read_mesh_part(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
@@ -220,7 +221,9 @@ contains
     end associate
   end function closed_hint
 
-  !> Report an unknown word together with the most similar known word, and skip its records.
+  !> Report an unknown word with a hint, and skip the records that seem to belong to it. The hint
+  !! names the set that the record may belong to, what to use instead of a word of FEAP, or else
+  !! the most similar known word.
   subroutine skip_unknown(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

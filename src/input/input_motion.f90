@@ -76,7 +76,8 @@ contains
     end do
   end subroutine identify
 
-  !> Warn about nodes that belong to two places with different motions.
+  !> Warn about nodes that belong to two places with different motions in a common direction, unless
+  !! both places have the same nodes.
   subroutine warn_different(id, nnode, bc)
     type(identity_t), intent(in) :: id(:)
     integer, intent(in) :: nnode
@@ -94,7 +95,8 @@ contains
         if (n == 0 .or. n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))) cycle
         if (.not. (lacks(id, bc%motion, i, j) .or. lacks(id, bc%motion, j, i))) cycle
         call warn('this MOVE and the one in line '//to_text(bc%motion(j)%place%line)//' give ' &
-                  //to_text(n)//' common nodes different motions, which are added at these nodes', &
+                  //'different motions to their common nodes (number: '//to_text(n) &
+                  //'); the motions add up there', &
                   bc%motion(i)%place, 'leave directions free with *, or move the common nodes ' &
                   //'with one MOVE only')
       end do
@@ -153,8 +155,8 @@ contains
               end if
               hint = 'leave the direction free, in FIX with 0 or in MOVE with *'
               if (motion%rotates) hint = 'leave the direction free in FIX with 0'
-              call warn(text//to_text(n)//' nodes that this FIX restrains: MOVE takes precedence ' &
-                        //'there', support%at%place, hint)
+              call warn(text//'nodes that this FIX restrains (number: '//to_text(n) &
+                        //'): MOVE takes precedence there', support%at%place, hint)
               exit search
             end do
           end associate

@@ -20,8 +20,8 @@ module input_resolve
   public :: resolve_supports, resolve_loads, resolve_curves, locate_point
 
   integer, parameter :: MAX_ITER = 50
-  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! a point this far outside an element still counts
-  !! as inside [-]
+  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! a point this far outside an element, in parent
+  !! coordinates, still counts as inside
   real(wp), parameter :: WIDER = 0.5_wp !! margin of the box around an element's nodes relative to
   !! its size, because a curved element may extend beyond its nodes
   real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! a map is singular below this determinant,

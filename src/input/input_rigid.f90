@@ -17,7 +17,7 @@ module input_rigid
 
 contains
 
-  !> Is there a rigid PATCh of that name?
+  !> Is there a rigid PATCh or SPLIne of that name?
   pure logical function is_rigid_patch(draft, name) result(rigid)
     type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
@@ -28,7 +28,7 @@ contains
     if (p > 0) rigid = draft%patch(p)%spec%type == 'RIGID'
   end function is_rigid_patch
 
-  !> Fail if records load a rigid patch or need its stresses; errors go to the list.
+  !> Fail if records load a rigid patch or need its stresses or energy; errors go to `draft%errors`.
   subroutine check_rigid(draft)
     type(draft_t), intent(inout) :: draft
     type(error_t), allocatable :: error

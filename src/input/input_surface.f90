@@ -26,8 +26,8 @@ module input_surface
   !! and SIZE_GAP times its largest extent divided by the cube root of the number of nodes.
   real(wp), parameter :: BOX_GAP = 1.0e-4_wp
   real(wp), parameter :: SIZE_GAP = 1.0e-3_wp
-  real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary that still counts as
-  !! inside
+  real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary, in parameters, that
+  !! still counts as inside
   real(wp), parameter :: ALIGNED = 0.8_wp      !! smallest cosine of the angle between the normals
   real(wp), parameter :: LEAST_SHARE = 0.9_wp !! smallest loaded share of the area without a warning
   integer, parameter :: MAX_ITER = 100
@@ -60,7 +60,8 @@ contains
     end do
   end subroutine mark_surface
 
-  !> Find FEAP's gap, and the bounding box of the surface enlarged by it.
+  !> Find the gap, which is FEAP's unless the record gives another one, and the bounding box of the
+  !! surface, enlarged on each side by 1.5 times the gap.
   pure subroutine search_box(r, nnode, low, high, gap)
     type(condition_entry_t), intent(in) :: r
     integer, intent(in) :: nnode
@@ -78,8 +79,8 @@ contains
     high = high + 1.5_wp*gap
   end subroutine search_box
 
-  !> Project a point onto the closest point of the surface, by Newton's method. `on` is true if the
-  !! distance is less than the gap and the projection lies inside the boundary.
+  !> Project a point onto the closest point of the surface, by the Gauss-Newton method. `on` is true
+  !! if the distance is less than the gap and the projection lies inside the boundary.
   pure subroutine project(surface, x, gap, xi, normal, on)
     real(wp), intent(in) :: surface(:, :) !! (4, 9)
     real(wp), intent(in) :: x(3), gap
@@ -167,8 +168,9 @@ contains
                   //'GAP d')
       end if
     else if (ninner > 0) then
-      call fail(error, DECK_ERROR, 'the surface lies inside a body: the '//to_text(ninner) &
-                //' element faces on it each belong to two elements', r%place, 'a pressure acts ' &
+      call fail(error, DECK_ERROR, 'the surface lies inside a body: each element face on it ' &
+                //'belongs to two elements (number: '//to_text(ninner)//')', r%place, 'a ' &
+                //'pressure acts ' &
                 //'on the outer faces of a body; FORCe and EFORce load nodes inside')
     else
       call fail(error, DECK_ERROR, 'no element face lies on the surface', r%place, 'number its ' &
@@ -213,8 +215,9 @@ contains
     end do
   end function area_of
 
-  !> Add the forces on one face if its normal is aligned with that of the surface. The pressure at
-  !! an integration point is that of the surface at the closest point.
+  !> Add the forces on one outer face if its corners lie on the surface and its normal is aligned
+  !! with that of the surface. The pressure at an integration point is that of the surface at the
+  !! closest point.
   subroutine load_face(mesh, block, e, f, cell, r, new, is_outer, bc, loaded, ninner)
     type(mesh_t), intent(in) :: mesh
     type(block_t), intent(in) :: block

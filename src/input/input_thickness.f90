@@ -21,11 +21,12 @@ module input_thickness
 contains
 
   !> Smallest distance [L] between corresponding points of the named faces and of the opposite
-  !! faces. It is 0 if two such faces meet or if there is no opposite face. The patch is measured
-  !! before it is refined and placed; placement does not change distances.
+  !! faces, or the thickness of the layer of a SPLIne. It is 0 if two such faces meet, if the
+  !! SPLIne has no layer, or if the geometry has an error. The patch is measured before it is
+  !! refined and placed; placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft
-    character(*), intent(in) :: name  !! name of a PATCh or NPATch
+    character(*), intent(in) :: name  !! name of a PATCh, NPATch or SPLIne
     integer, intent(in) :: mask       !! bit f-1 for each face f
     real(wp) :: thickness
     type(nurbs_t) :: patch

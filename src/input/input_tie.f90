@@ -197,7 +197,8 @@ contains
     end do
   end subroutine find_pairs
 
-  !> Nodes closer than this fraction of the extent of the mesh are tied.
+  !> In each direction, nodes are tied if they are not farther apart than this fraction of the
+  !! extent of the mesh.
   pure real(wp) function tie_tolerance(tie, nnode) result(fraction)
     type(tie_entry_t), intent(in) :: tie
     integer, intent(in) :: nnode

@@ -106,10 +106,10 @@ contains
         end if
       end associate
     end do
-    if (m > MOST_PAIRS) call warn(to_text(m - MOST_PAIRS)//' more pairs of bodies share nodes ' &
-                                  //'that join them only in part')
-    if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies touch where ' &
-                                  //'nothing joins them')
+    if (m > MOST_PAIRS) call warn('more pairs of bodies share nodes that join them only in part ' &
+                                  //'(number: '//to_text(m - MOST_PAIRS)//')')
+    if (n > MOST_PAIRS) call warn('more pairs of bodies touch where nothing joins them (number: ' &
+                                  //to_text(n - MOST_PAIRS)//')')
   end subroutine warn_touching
 
   !> Warn about faces that share nodes and come apart between these nodes.
@@ -150,7 +150,8 @@ contains
     if (pair%overlaps) area = pair%near
   end function area_of
 
-  !> Warn about a body that comes apart, or about elements that belong to no body and come apart.
+  !> Warn about a body that comes apart, or about elements of BLOCk and ELEMents, which belong to no
+  !! body, if they come apart.
   subroutine warn_seam(draft, mesh, skin, pair, double)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -167,10 +168,11 @@ contains
       seen(skin%surface%node(skin%surface%first(e):skin%surface%first(e + 1) - 1)) = .true.
     end do
     n = count(seen .and. double)
-    text = 'element faces of '//body_name(mesh, pair%body(1))//' touch over an area of about ' &
-           //to_text(sum(pair%area)/2, 2)//' and are not joined'
+    text = 'element faces of '//body_name(mesh, pair%body(1))//' touch each other over an area ' &
+           //'of about '//to_text(sum(pair%area)/2, 2)//' and are not joined'
     if (n > 0) then
-      text = text//', although '//to_text(n)//' of their nodes coincide with other nodes'
+      text = text//', although some of their nodes coincide with other nodes (number: ' &
+             //to_text(n)//')'
       hint = 'join these nodes with TIE; otherwise the body comes apart there'
     else
       hint = 'the body comes apart there: use meshes that match, and join them with TIE'
@@ -195,7 +197,7 @@ contains
     end if
   end function place_of
 
-  !> Gather the outer faces of all bodies, and sort them into buckets.
+  !> Gather the outer faces of all elements, and sort them into buckets.
   subroutine make_skin(mesh, contact, skin)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
@@ -467,8 +469,9 @@ contains
     end associate
   end subroutine compare
 
-  !> Find the gap between a point and a face, by Newton's method within the face. The gap is huge if
-  !! the closest point of the face is not opposite this point.
+  !> Find the gap between a point and a face, by the Gauss-Newton method within the face. The gap is
+  !! huge if no point of the face lies opposite this point, or if the face does not point towards
+  !! the face of the point.
   subroutine measure(skin, f, x, area, gap, xi)
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: f

@@ -17,7 +17,8 @@ module input_untied
   private
   public :: warn_untied, warn_hanging
 
-  !> A node lies on a face if its distance, relative to the extent of the mesh, is less than this.
+  !> A node lies on a face if its distance is at most ON_FACE times the extent of the mesh or at
+  !! most CURVED times the width of the face.
   real(wp), parameter :: ON_FACE = 1.0e-6_wp
   !> Faces lie on each other if their distance is less than CURVED times their width (flat elements
   !! of one curved surface may be that far apart), and if the cosine of the angle between their
@@ -54,8 +55,8 @@ contains
         end do
       end associate
       if (n > 0) then
-        call warn("contact '"//contact(c)%name//"': TIE joins "//to_text(n)//' nodes of its two ' &
-                  //'sides, which cannot separate or slide there', contact(c)%place, &
+        call warn("contact '"//contact(c)%name//"': TIE joins nodes of its two sides (number: " &
+                  //to_text(n)//'), which cannot separate or slide there', contact(c)%place, &
                   'TIE alone or with a plane joins nodes of all bodies: use TIE,NODE or ' &
                   //'TIE,MATErial')
       end if
@@ -117,8 +118,8 @@ contains
     end do
   end function in_contact
 
-  !> Mark the nodes of body a that lie on a face of body b, up to the distance that flat elements of
-  !! one curved surface have, and do not belong to b.
+  !> Mark the nodes of body a that lie on a face of body b and do not belong to b. Control points
+  !! are not marked, because they need not lie on the surface.
   subroutine find_loose(mesh, a, b, skin, near, on)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a, b

@@ -20,8 +20,8 @@ module input_where
                              //'given by its two faces: 1-,3+'
   character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give one record for ' &
                              //'each face'
-  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! relative to the mesh's extent divided by the square
-  !! root of the number of nodes, as in EBOUndary
+  real(wp), parameter :: ON_PLANE = 1.0e-3_wp !! distance from a plane within which nodes are found,
+  !! relative to the mesh's extent divided by the square root of the number of nodes (as EBOUndary)
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! nodes are equally near to a point if the
   !! squares of their distances differ by no more than this times the square of the extent (FEAP)
 
@@ -31,7 +31,7 @@ module input_where
   !> A place in the reference mesh, resolved after TIE. W_GROUP stands for any name that is not the
   !! name of a face; the body must then be a MESH or a SPLIne.
   type :: where_t
-    integer :: type = 0                !! W_FACES to W_GROUP
+    integer :: type = 0                !! W_FACES to W_GROUP; 0: not given
     character(:), allocatable :: body  !! name of the body as written
     character(:), allocatable :: face  !! name of a face or a group as written
     integer :: mask = 0                !! bit f-1 of each face f
@@ -262,7 +262,8 @@ contains
         on = mesh%used .and. abs(x - place%x(1)) <= gap
       end associate
       call warn_layers(mesh, place%direction, on, gap, place%place, &
-                       'name a face of a patch instead of the plane')
+                       'name a face of a patch instead of the plane, or use EBOUndary or ' &
+                       //'EDISplacement with GAP d')
     end select
     on = on .and. mesh%used
     node = pack([(i, i=1, mesh%nnode)], on)
@@ -450,9 +451,9 @@ contains
         elem = group%face%elem
         side = group%face%side
         if (group%inner > 0) then
-          call fail(error, DECK_ERROR, to_text(group%inner)//' of the ' &
-                    //to_text(group%inner + size(elem))//' surface elements of group ' &
-                    //quoted(group%name)//' are not on the boundary of '//quoted(place%body), &
+          call fail(error, DECK_ERROR, 'surface elements of group '//quoted(group%name) &
+                    //' are not on the boundary of '//quoted(place%body)//' (number: ' &
+                    //to_text(group%inner)//' of '//to_text(group%inner + size(elem))//')', &
                     place%face_place, 'loads and contact act on the boundary; these elements lie ' &
                     //'inside the body or on no element')
         else if (size(elem) == 0) then

@@ -170,8 +170,8 @@ contains
     if (spec%type == BRICK_27) then
       do d = 1, 3
         if (mod(spec%n(d), 2) == 0) cycle
-        call fail(error, DECK_ERROR, 'BLOCk of 27-node bricks has '//to_text(spec%n(d)) &
-                  //' increments in direction '//to_text(d), record%place(1), &
+        call fail(error, DECK_ERROR, 'the number of increments of a BLOCk of 27-node bricks in ' &
+                  //'direction '//to_text(d)//' is '//to_text(spec%n(d)), record%place(1), &
                   'give an even number: each brick spans two increments')
         return
       end do

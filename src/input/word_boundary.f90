@@ -142,7 +142,7 @@ contains
     if (allocated(error)) return
     if (p%at%type /= W_FACES .and. p%at%type /= W_GROUP) then
       call fail(error, DECK_ERROR, 'PRESsure needs a face of a patch or a group of a mesh', &
-                p%at%place, USAGE//'; for elements of ELEMents use CSURface')
+                p%at%place, USAGE//'; for elements of ELEMents and BLOCk use CSURface')
       return
     end if
     p%pressure%place = record%place(1)

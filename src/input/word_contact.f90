@@ -167,7 +167,8 @@ contains
                                                contact%taper > 0.0_wp .or. contact%ncell > 1)) then
         call fail(error, DECK_ERROR, 'SCHEme MORTar cannot be used together with COHEsive, ' &
                   //'BORDer or REFIne', entry%scheme_place, &
-                  'these records need integration points: give SCHEme BALAnced, or no SCHEme')
+                  'these need integration points that keep their positions on the surface: give ' &
+                  //'SCHEme BALAnced, or no SCHEme')
       else if (contact%ncell > 1 .and. contact%cohesive%given) then
         call fail(error, DECK_ERROR, 'REFIne cannot be used together with COHEsive', &
                   entry%refine_place, 'remove REFIne, and use more integration points for the ' &
@@ -198,8 +199,8 @@ contains
     call check_count(line, i - 1, i - 1, SURFACE_USAGE, error)
   end subroutine read_surfaces
 
-  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]. With several records, the points that lie in
-  !! all of their regions are bonded.
+  !> Read BONDed [[EXCEpt] HALFspace or BOX] [GAP d]. With several records, a point is bonded if it
+  !! lies in every region without EXCEpt and in no region with EXCEpt.
   subroutine read_bond(deck, line, entry, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line

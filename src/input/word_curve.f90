@@ -205,8 +205,8 @@ contains
     end subroutine read_component
   end subroutine read_column
 
-  !> Read STREss patch x y z component. The patch ALL means any body, including elements of
-  !! ELEMents.
+  !> Read STREss patch x y z component. The patch ALL means all elements that deform, including
+  !! those of ELEMents and BLOCk.
   subroutine read_stress(deck, line, column, error)
     type(deck_t), intent(in) :: deck
     type(record_t), intent(in) :: line

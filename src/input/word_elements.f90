@@ -143,8 +143,9 @@ contains
     if (e%increment == 0) e%increment = 1
   end subroutine read_entry
 
-  !> Collect all numbers of an element: those of its first record, and those of a second one if FEAP
-  !! requires it.
+  !> Collect all numbers of an element: those of its first record, and those of a second one if the
+  !! first has 16 numbers or, as in FEAP, if `nen` of the control record is larger than 13 and the
+  !! first has at most 16.
   subroutine collect_numbers(draft, deck, first, least, most, usage, field, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -253,7 +253,7 @@ contains
       if (allocated(error)) return
       given%place(i) = line%place(i + 2)
     end do
-    call set_properties(given, prop, error) ! the first error of the material is reported
+    call set_properties(given, prop, error) ! wrong numbers are reported before later records
   end subroutine read_law
 
   !> Read SMALl, or FINIte [VOLUme k].

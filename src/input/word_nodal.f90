@@ -2,7 +2,7 @@
 !!
 !! As in FEAP, the increment of a record applies to the nodes between those of this record and the
 !! next one: FORCe and DISPlacement interpolate, FPROportional repeats the numbers, and BOUNdary
-!! repeats only negative codes.
+!! repeats only negative codes. A negative code also replaces a 0 in the next record of BOUNdary.
 !!
 !! Source: FEAPpv's manual
 module word_nodal

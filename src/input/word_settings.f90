@@ -27,7 +27,7 @@ contains
     if (.not. allocated(error)) draft%in_set = .false.
   end subroutine read_para
 
-  !> Read PRINt or NOPRint, which have no effect: the log always shows what was read.
+  !> Read PRINt or NOPRint, which have no effect.
   subroutine read_print(draft, deck, record, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck

@@ -236,7 +236,7 @@ class Moved(Folder):
         self.assertNotIn("FIX", said)
         _, said = self.displacement(remove, (move, f"FIX,bar,3- 1 0 0\n{move}"))
         self.assertIn(
-            "warning: MOVE in line 16 prescribes displacements in direction 1 at 2 nodes that this FIX restrains",
+            "warning: MOVE in line 16 prescribes displacements in direction 1 at nodes that this FIX restrains (number: 2)",
             said,
         )
 
