@@ -24,7 +24,8 @@ module input_conditions
   public :: apply_conditions, warn_supports_kept, note_loose
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
-  !! are selected (FEAP), relative to the extent of the mesh
+  !! are selected (FEAP), relative to the extent of the mesh; for EBOUndary and EPROportional it is
+  !! divided by the square root of the number of nodes
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! default difference of the squared distances of
   !! nodes that are equally near to a point, relative to the square of the extent (FEAP)
 

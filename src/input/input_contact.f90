@@ -10,9 +10,9 @@
 !! MORTar, the factor is 100 instead of 125, and the mean area is that of the elements that are
 !! nearest to the other surface at the start. A factor given with AUTO multiplies eps.
 !!
-!! Under a pressure p the penetration is (p/E) h/125. The value 125 is that of Corbett and Sauer
-!! 2015, section 5.3: eps = 125 E/L, 250 E/L and 500 E/L on blocks with modulus E and elements of
-!! length L, L/2 and L/4.
+!! With the factor 125, a pressure p causes a penetration of (p/E) h/125. The value 125 is that of
+!! Corbett and Sauer 2015, section 5.3: eps = 125 E/L, 250 E/L and 500 E/L on blocks with modulus E
+!! and elements of length L, L/2 and L/4.
 module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8

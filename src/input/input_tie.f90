@@ -23,7 +23,7 @@ module input_tie
   !! are at least twice as wide as the tolerance, unless there is only one.
   type :: grid_t
     real(wp) :: low(3), width(3)       !! origin of the grid, size of a cell [L]
-    real(wp) :: tol(3)                 !! nodes no farther apart in any direction are tied [L]
+    real(wp) :: tol(3)                 !! largest distance of tied nodes in each direction [L]
     integer :: cells(3)
     integer, allocatable :: head(:, :, :), next(:)
   end type grid_t

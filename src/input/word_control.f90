@@ -50,7 +50,7 @@ contains
     end if
   end subroutine read_title
 
-  !> Read six numbers, or records such as `ndm = 3` up to a blank record or another word.
+  !> Read six to nine numbers, or records such as `ndm = 3` up to a blank record or another word.
   subroutine read_control(draft, deck, error)
     type(draft_t), intent(inout) :: draft
     type(deck_t), intent(inout) :: deck
