@@ -3,8 +3,8 @@
 !! The multipliers take over the pressure due to the penetrations, so that the next solves leave
 !! smaller penetrations. The commands are LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent
 !! / NEXT. If no pressure would change by more than a tolerance (relative to the largest pressure),
-!! nothing is changed and the loop ends. Nothing is changed in the last pass of the loop either,
-!! because no solve would follow.
+!! nothing is changed and LOOP,augment ends. Nothing is changed in the last pass of this loop
+!! either, because no solve would follow.
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -17,7 +17,7 @@ module command_augment
   private
   public :: augment_rows
 
-  real(wp), parameter :: USUAL = 1.0e-3_wp !! change of a pressure, relative to the largest pressure
+  real(wp), parameter :: USUAL = 1.0e-3_wp !! default tolerance
 
 contains
 

@@ -31,7 +31,7 @@ module command_checkpoint
   type :: exchange_t
     type(named_values_t) :: values
     logical :: writes = .true.
-    logical :: whole = .true.          !! no value was missing in the checkpoint
+    logical :: whole = .true.          !! no value of the checkpoint was missing or invalid
   end type exchange_t
 
   interface exchange
@@ -66,7 +66,7 @@ contains
     run%restart_point%set = .true.
   end subroutine set_restart_point
 
-  !> Continue from a checkpoint; no file is changed yet.
+  !> Read the checkpoint from which the run is to continue; no file is changed.
   subroutine restore_run(run, path, error)
     type(run_t), intent(inout) :: run
     character(*), intent(in) :: path

@@ -10,8 +10,8 @@ module command_doubts
 
 contains
 
-  !> Warn about load tables without loads, and about commands that have no effect without other
-  !! commands.
+  !> Warn about load tables without loads, about commands that come after all commands that they
+  !! could affect, and about commands that have no effect without other commands.
   subroutine warn_commands(run)
     type(run_t), intent(in) :: run
 
@@ -26,7 +26,7 @@ contains
     end if
   end subroutine warn_commands
 
-  !> Warn about commands that prepare steps or solves but are followed by none.
+  !> Warn about commands that prepare steps or solves if all of these come before them.
   subroutine warn_late(run)
     type(run_t), intent(in) :: run
     character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']
@@ -58,8 +58,8 @@ contains
     end associate
   end subroutine warn_here
 
-  !> Do the commands with the given names run only before command i? Those before it in a loop that
-  !! contains it also run after it, in the next pass.
+  !> Do commands with the given names run, but only before command i? Those that are before it in a
+  !! loop that contains it also run after it, in the next pass.
   pure logical function is_late(run, i, key) result(late)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i

@@ -1,5 +1,6 @@
-!> The files of a run. They are opened when the first step is written, so that a deck that fails
-!! leaves none. The first rank writes them, and all ranks are told whether this succeeded.
+!> The files of curves and fields. They are opened when the first row or the first fields are
+!! written (after a restart: at the start), so that a run that fails in its first step leaves none.
+!! The first rank writes them, and all ranks are told whether this succeeded.
 module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root

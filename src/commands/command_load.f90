@@ -120,8 +120,8 @@ contains
   end function is_past_data
 
   !> Read the data of a load table of type 2: after `2 n`, records of n pairs (t, p) up to a blank
-  !! record. A pair 0 0 or a record with fewer pairs is the last one, and the blank record after it
-  !! may be missing (FEAP).
+  !! record. A pair 0 0 that is not the first pair, or a record with fewer than n pairs, ends the
+  !! table; the blank record after it may be missing (FEAP).
   subroutine read_pairs(run, opening, table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
@@ -143,8 +143,8 @@ contains
         call run%deck%put_back(record)
         exit
       end if
-      call check_count(record, 2, 2*max(n, 1), 'at most '//to_text(max(n, 1))//' pairs t p in ' &
-                       //'each record of this table', error)
+      call check_count(record, 2, 2*max(n, 1), 'pairs t p, at most '//to_text(max(n, 1)) &
+                       //' in each record of this table', error)
       if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
       done = done .or. record%n < 2*n

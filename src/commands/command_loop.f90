@@ -37,8 +37,10 @@ contains
     end associate
   end subroutine run_loop
 
-  !> End a pass of a loop. If the step ended before its target, the pass is repeated; if the step
-  !! passed several targets, as many passes are counted.
+  !> End a pass of a loop. With automatic step sizes, a loop over time counts targets instead of
+  !! steps: no pass is counted if the step ended before its target, and as many as there are targets
+  !! if it passed several. A step with automatic size is cut back if its Newton loop ends without
+  !! convergence.
   subroutine run_next(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -98,8 +98,8 @@ contains
     if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
-  !> Switch to dynamics (FEAP): bodies start from rest and move in time, with the densities of their
-  !! materials.
+  !> Switch dynamics on or off (FEAP). When it is switched on, the bodies start from rest, except in
+  !! a motion that RESTart has read. Their masses follow from the densities of their materials.
   subroutine run_tran(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -207,7 +207,7 @@ contains
     end if
   end subroutine warn_unstable
 
-  !> Fail if no body has a mass; warn about the materials of bodies that have none, once each.
+  !> Fail if no body has a mass; warn once about each material of a body that has no density.
   subroutine check_masses(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

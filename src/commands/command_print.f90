@@ -36,8 +36,8 @@ contains
     if (.not. run%program%dry) run%plan%prints = command%record%key(1) == 'prin'
   end subroutine run_switch
 
-  !> Print one table, of every step-th node or element from n1 to n2, or of all if no numbers are
-  !! given.
+  !> Print one table: of every step-th node or element from n1 to n2, of the nodes in the plane
+  !! x_d = x (COOR), or of all nodes or elements if no numbers are given.
   subroutine run_print(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

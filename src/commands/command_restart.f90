@@ -29,8 +29,8 @@ contains
 
   !> Read displacements, rates, history, time and step number from the checkpoint. The load tables
   !! and the time integration remain those of this deck, and targets of DT are counted from the time
-  !! of the checkpoint. The model must be the same, except for its loads and, with CONStants, its
-  !! constants.
+  !! of the checkpoint. The model must be the same, except for its loads and, with CONStants, the
+  !! constants of its materials and contacts.
   subroutine run_restart(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

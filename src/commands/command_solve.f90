@@ -31,7 +31,7 @@ contains
     row(6) = new_row('FACTor', 'FACTor AUTO | FULL | REUSe | SINGle | LOWRank eps', 2, run_factor)
   end function solve_rows
 
-  !> Run TANG or UTAN: form the system, and solve it unless the number after the option is 0.
+  !> Run TANG or UTAN: form the system, and solve it if the number after the option is 1.
   subroutine run_tangent(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -40,7 +40,7 @@ contains
 
     call check_option(command, error)
     call check_fields(command, merge(2, 1, command%option == 'line'), &
-                      'TANG,,1 or TANG,LINE,1', error)
+                      command%record%text(1)//',,1 or '//command%record%text(1)//',LINE,1', error)
     if (allocated(error)) return
     if (all(abs(command%x(1) - [0.0_wp, 1.0_wp]) > 0.0_wp)) then
       call fail(error, DECK_ERROR, 'expected 1 or 0, found '//to_text(command%x(1)), &
@@ -70,7 +70,7 @@ contains
                  run%step%newton%symmetric .or. .not. is_unsymmetric(run%model), .false., error)
   end subroutine run_form
 
-  !> Run SOLV: solve the system that the last FORM or TANG formed.
+  !> Run SOLV: solve the system that the last TANG, UTAN or FORM formed.
   subroutine run_solve(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -191,7 +191,7 @@ contains
     end associate
   end subroutine show_iteration
 
-  !> Is the tangent of the model unsymmetric?
+  !> May the tangent of the model be unsymmetric?
   pure function is_unsymmetric(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes

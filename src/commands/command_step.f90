@@ -29,7 +29,7 @@ contains
   end subroutine open_step_here
 
   !> Act on the outcome of a step: when it has converged, the iteration loop ends; after a cut-back
-  !! the TIME of the step is executed next.
+  !! the command that began the step is executed next.
   subroutine take_outcome(run, outcome)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: outcome
@@ -43,7 +43,7 @@ contains
   end subroutine take_outcome
 
   !> Close the current step, if any, and write what is due. `rewound` is true if the step failed its
-  !! last test, so that its TIME is executed again next.
+  !! last test, so that the command that began it is executed next.
   subroutine finish_step(run, rewound, error)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound

@@ -1,4 +1,4 @@
-!> TPLOt: histories of nodal values, one row for each step, in <stem>_tplot.dat.
+!> TPLOt: histories of nodal values in <stem>_tplot.dat, with one row every `interval` steps.
 module command_tplot
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -36,7 +36,7 @@ contains
     run%plan%tplot_every = max(1, every)
   end subroutine run_tplot
 
-  !> Read the records, which become a curve of their own; FEAP's SHOW has no effect here.
+  !> Read the records; those of all TPLOt commands form one curve. FEAP's SHOW has no effect here.
   subroutine read_tplot(run, command, data, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command

@@ -35,7 +35,7 @@ module command_type
     logical :: solves = .false.                 !! LOOP: likewise a command that solves
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
-    type(data_t), allocatable :: data(:)        !! one per visit, in the order of the visits
+    type(data_t), allocatable :: data(:)        !! one per visit; later visits use the last
     integer :: visit = 0
   end type command_t
 
@@ -76,7 +76,7 @@ module command_type
     integer :: ntable = 0                       !! highest number of a load table of the whole run
     integer, allocatable :: defined(:)          !! numbers of the load tables that PROPs define
     integer, allocatable :: prop_at(:)          !! (number) command that defines each table first
-    logical, allocatable :: noted(:)            !! rows whose note has been written
+    logical, allocatable :: noted(:)            !! rows whose note or warning was issued
   end type program_t
 
   !> Which output is due.
@@ -172,8 +172,8 @@ contains
   end function new_row
 
   !> Fail if a command has more than the n numbers that it reads. If `option` is .false., fail also
-  !! if the command has a field where other commands have an option. Empty fields have the value 0
-  !! and are accepted.
+  !! if the command has a field where other commands have an option. Empty fields and numbers 0
+  !! are always accepted.
   subroutine check_fields(command, n, usage, error, option)
     type(command_t), intent(in) :: command
     integer, intent(in) :: n

@@ -1,4 +1,4 @@
-!> Warnings about converged steps that are probably not intended.
+!> Warnings, from the steps that have been closed, about input that is probably not intended.
 module command_watch
   use base_kinds, only: wp
   use base_log, only: warn
@@ -19,7 +19,7 @@ module command_watch
 
 contains
 
-  !> Examine the step that was closed; each warning is given once.
+  !> Examine the step that was closed; a warning is not repeated in later steps.
   subroutine watch_step(run)
     type(run_t), intent(inout) :: run
     integer :: c
@@ -67,7 +67,7 @@ contains
     end associate
   end subroutine watch_rotations
 
-  !> Warn where materials for small strains are strongly stretched or rotated.
+  !> Warn if a material for small strains is strongly stretched or rotated.
   subroutine watch_strains(run)
     type(run_t), intent(inout) :: run
     real(wp) :: largest

@@ -23,7 +23,7 @@ contains
     end associate
   end subroutine save_position
 
-  !> Go back to the position at which the step began, so that the next command is the one that began
+  !> Go back to the position at which the step began: the counter is that of the command that began
   !! it.
   subroutine rewind_program(program, params)
     type(program_t), intent(inout) :: program

@@ -12,10 +12,10 @@ module table_use
   private
   public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, watch_tables_end
 
-  !> The first load or motion that follows a table.
+  !> The first load or motion, nonzero if there is such a one, that follows a table.
   type :: use_t
     integer :: table = 0               !! 0: the sum of all tables
-    character(:), allocatable :: what  !! word of the load, such as MOVE
+    character(:), allocatable :: what  !! name for messages, such as MOVE or 'a load'
     logical :: acts = .false.          !! some load or motion of this table is not zero
     type(place_t) :: place             !! in the deck; `file` is not allocated if it is unknown
   end type use_t
@@ -79,9 +79,9 @@ contains
     end subroutine add
   end subroutine find_uses
 
-  !> When the whole deck has been read, warn about loads whose table is defined by no PROP, or by a
-  !! PROP that comes too late. Only log a note about tables that no load follows, because decks that
-  !! are run in stages may contain some.
+  !> When the whole deck has been read, warn about loads with a table number if there is no PROP at
+  !! all, and about a PROP after the first solve. Only log a note about tables that no load follows,
+  !! because decks that are run in stages may contain some.
   subroutine warn_tables(run)
     type(run_t), intent(in) :: run
     type(use_t), allocatable :: uses(:)
@@ -142,8 +142,8 @@ contains
               'let the new table begin with the current factor, or use one table for all steps')
   end subroutine warn_jump
 
-  !> After a step, warn about tables that ended before the step and about corners inside the step,
-  !! once each.
+  !> After a step, warn about formulas whose range has ended, once for each table, and about a peak
+  !! or trough of a table that the steps miss, once in a run.
   subroutine watch_tables(run)
     type(run_t), intent(inout) :: run
     type(use_t), allocatable :: uses(:)

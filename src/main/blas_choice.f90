@@ -1,13 +1,15 @@
 !> Makes OpenBLAS use the vector unit of the processor, and start no threads that are not used.
 !!
 !! OpenBLAS chooses its kernels when it is loaded, according to the model number of the processor.
-!! If the processor is newer than the library, it chooses the oldest kernels. For example, version
-!! 0.3.21 of Debian 12 runs dgemm at 9 instead of 70 GFLOP/s on a processor of 2023. When the
-!! library is loaded, it also starts a thread for each processor. These threads wait forever if a
-!! limit refuses the memory that they need. Therefore this program restarts itself with
-!! OPENBLAS_CORETYPE set to the best kernels that the processor supports, and OPENBLAS_NUM_THREADS
-!! to 1; `set_threads` starts further threads when it has found memory for them. A value that the
-!! user has set is never changed.
+!! If the processor is newer than the library, the library chooses its oldest kernels. For example,
+!! version 0.3.21 of Debian 12 runs dgemm at 9 instead of 70 GFLOP/s on a processor of 2023.
+!! Therefore this program then restarts itself with OPENBLAS_CORETYPE set to faster kernels that the
+!! processor supports.
+!!
+!! When the library is loaded, it also starts a thread for each processor. These threads wait
+!! forever if a limit refuses the memory that they need. Therefore this program restarts itself with
+!! OPENBLAS_NUM_THREADS set to 1; `set_threads` starts further threads if there is memory for them.
+!! Neither variable is changed if the user has set it.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
@@ -29,7 +31,8 @@ module blas_choice
 
 contains
 
-  !> Restart if the library does not know the processor, or has started its own number of threads.
+  !> Restart this program if the library has chosen its oldest kernels although the processor
+  !! supports faster ones, or if OPENBLAS_NUM_THREADS is not set.
   subroutine prepare_blas()
     character(:), allocatable :: kernel
     integer :: status
@@ -52,7 +55,8 @@ contains
     if (again) call start_again()
   end subroutine prepare_blas
 
-  !> Replace this process by the same program with the same arguments. It returns only on failure.
+  !> Start this program again in the same process, with the same arguments. The procedure returns
+  !! only if this fails.
   subroutine start_again()
     integer, parameter :: LONGEST = 4096
     character(kind=c_char, len=1), allocatable, target :: text(:, :)

@@ -1,4 +1,4 @@
-!> --check: prints sizes, equations and memory; nothing is solved.
+!> --check: prints sizes, equations, memory and problems of a deck; nothing is solved.
 module check_deck
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -15,7 +15,7 @@ module check_deck
   private
   public :: print_check
 
-  !> The ways to store factors are listed for models that need more memory than this [MB].
+  !> The ways to store factors are listed if a factorisation needs more memory than this [MB].
   real(wp), parameter :: WORTH_A_CHOICE = 100.0_wp
 
 contains

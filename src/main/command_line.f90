@@ -17,7 +17,7 @@ module command_line
     character(:), allocatable :: settings(:)  !! name=value of each --set
     character(:), allocatable :: restart !! path of a checkpoint; not allocated: start from the deck
     character(:), allocatable :: list         !! one of LISTS, or '' for all; not allocated: no list
-    integer :: threads = 0                    !! 0: the library decides
+    integer :: threads = 0                    !! 0: not given; one is used
     real(wp) :: time_limit = 0.0_wp           !! [s]; 0: there is none
     logical :: check = .false., quiet = .false., version = .false., help = .false.
   end type options_t
@@ -256,7 +256,8 @@ contains
     end do
     print '(a)', '', &
       'exit codes: 0 done, 1 error in the deck or the options, 2 no solution found, 3 error of', &
-      'a library, of memory or of the disk, 4 stopped with a checkpoint, 70 error in the program'
+      'a library, of memory or of the disk, or another run is writing the same files, 4 stopped', &
+      'with a checkpoint, 70 error in the program'
   end subroutine print_help
 
 end module command_line

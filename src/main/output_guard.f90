@@ -1,4 +1,4 @@
-!> Refuses to write results over a file that the run has read.
+!> Refuses to write results over a file that the run has read, or under names that are too long.
 module output_guard
   use base_error, only: error_t, fail, DECK_ERROR
   use base_file, only: base_name, input_of
@@ -12,7 +12,8 @@ module output_guard
 
 contains
 
-  !> Check every name under which the run may write, before it writes anything.
+  !> Check the names under which the run may write, except those of the .vtu files, before it writes
+  !! anything.
   subroutine check_outputs(job, error)
     type(run_t), intent(in) :: job
     type(error_t), allocatable, intent(out) :: error
@@ -31,7 +32,8 @@ contains
     end do
   end subroutine check_outputs
 
-  !> Check a name, and the name that the file has until it is complete.
+  !> Check the name of a result file. The names with the endings .part (the file until it is
+  !! complete) and .probe (a file that finds the reason of a failure to write) are checked too.
   subroutine check_name(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error

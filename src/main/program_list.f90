@@ -1,4 +1,5 @@
-!> --list: prints the words of the deck, from the tables that are used to read it.
+!> --list: prints the elements, material laws, contact laws or solution commands, from the tables
+!! with which a deck is read.
 module program_list
   use command_table, only: load_commands
   use command_type, only: command_row_t

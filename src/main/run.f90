@@ -1,4 +1,5 @@
-!> A whole analysis on one page: reads the deck, executes its commands, and says how it ended.
+!> A whole analysis on one page: reads the deck, executes its commands, and returns an error if the
+!! analysis fails or is stopped.
 !!
 !! TIME closes the previous step and begins a new one, in which TANG and similar commands iterate.
 !! When a step is cut back, the command counter goes back to the TIME of that step (see the modules

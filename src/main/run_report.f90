@@ -17,13 +17,13 @@ module run_report
   private
   public :: reserve_report, drop_reserve, report_run, run_summary
 
-  integer(i8), parameter :: RESERVE = 16384 !! bytes; a report takes about a thousand
+  integer(i8), parameter :: RESERVE = 16384 !! bytes; a short report takes about a thousand
 
 contains
 
   !> Claim space on the disk for the report, so that a run that fills the disk can still write it.
   !! The report of an earlier run is removed, because it would describe results that are about to
-  !! change. If the disk is full already, writing the next file fails.
+  !! change. If the disk is full already, no error is raised here; writing the next file fails.
   subroutine reserve_report(job)
     type(run_t), intent(in) :: job
     type(error_t), allocatable :: ignored
@@ -135,7 +135,7 @@ contains
            //job%files%stem//'.log'
   end function run_summary
 
-  !> A number and what it counts.
+  !> A number and the noun that it counts, in the plural unless the number is 1.
   pure function number_of(n, what) result(text)
     integer, intent(in) :: n
     character(*), intent(in) :: what
