@@ -13,7 +13,8 @@ module anchors
   public :: anchors_t, set_anchors, anchor_force, find_load, node_stiffness, rigid_field
 
   !> A weak motion gets no anchor if less than this fraction of it remains after its components
-  !! along the released motions, which are no longer anchored (stabilisation), have been subtracted.
+  !! along the released motions, which are no longer anchored (stabilisation), and along the motions
+  !! that already have an anchor have been subtracted.
   real(wp), parameter :: LEFT = 0.2_wp
 
   type :: anchors_t

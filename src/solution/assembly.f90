@@ -42,8 +42,8 @@ module assembly
     type(mass_t), allocatable :: mass(:) !! set if the model has inertia
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
     type(anchors_t) :: anchors           !! anchors of bodies that contact does not hold
-    !> Wall and processor time of all sweeps, and the part of it that contact takes: search,
-    !! pattern, tangent.
+    !> Wall and processor time [s] of the sweeps since the times were last reset (after each
+    !! solve), and the part of it that contact takes: search, pattern, forces and tangent.
     real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
   end type assembler_t
 

@@ -221,9 +221,9 @@ contains
     call log_line('path: arc length control takes over, first length '//to_text(length))
   end subroutine follow_arc
 
-  !> Add inertia to the next steps. The density is that of the deck or, if the deck gives none, one
-  !! with which the kinetic energy of the initial motion is small. The initial motion is the mean
-  !! motion since the start. The result is false if there is no such density.
+  !> Add inertia to the next steps. The density is that of ARCLength,DYNAmic or, if it gives none,
+  !! one with which the kinetic energy of the initial motion is small. The initial motion is the
+  !! mean motion since the start. The result is false if there is no such density.
   function adds_inertia(step, model, state, what, why) result(added)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
@@ -303,8 +303,8 @@ contains
     end associate
   end subroutine adapt_arc_control
 
-  !> Warn if the kinetic energy exceeds the work done: contact has then produced energy, which is
-  !! possible with the two-half-pass algorithm.
+  !> Warn if the kinetic energy exceeds the work done. In a model with contact, contact has then
+  !! produced energy, which is possible with the two-half-pass algorithm.
   subroutine check_energy(path, model, state)
     type(continuation_t), intent(inout) :: path
     type(model_t), intent(in) :: model

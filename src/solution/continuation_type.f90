@@ -5,7 +5,7 @@
 !! prescribed instead of the load. If that fails too, the arc length of the step is prescribed
 !! (LENGth does this at once), or the model snaps through with inertia. Load control is tried again
 !! after some full steps of the deck in which the load has increased, or when the motion has died
-!! down. After each failed trial, the number of steps before the next trial doubles.
+!! down. After each failed trial, the number of steps before the next trial doubles, up to 64.
 !!
 !! Under control of the release or of the arc length, a step is constrained: a measure of the step
 !! is prescribed, and the time at its end is unknown (constrained_newton).
@@ -65,7 +65,7 @@ module continuation_type
     real(wp) :: released = 0.0_wp        !! fraction of the bonds released under arc length control
     integer :: opening = 0  !! consecutive steps with arc length control that released bonds
     integer :: patience = FIRST_WAIT !! number of such steps before the release is controlled again
-    logical :: warned = .false.          !! a warning has said that load control failed
+    logical :: warned = .false.          !! a warning about the method has been issued
     logical :: warned_energy = .false.   !! a warning has said that the kinetic energy is too large
   end type continuation_t
 

@@ -174,8 +174,8 @@ contains
     end do
   end function find_floor
 
-  !> Is a line search needed although the deck does not request it, because the state of contact
-  !! keeps changing?
+  !> Is a line search used although the deck does not request it? This is the case after PATIENCE
+  !! iterations in a model with contact, where the state of contact probably keeps changing.
   pure logical function needs_line_search(newton, model)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
@@ -232,8 +232,8 @@ contains
   end function needs_signs
 
   !> Fraction of an increment that is taken. Points that alternate between two states of contact
-  !! make Newton's iteration oscillate. An increment that reverses most of the previous one is
-  !! multiplied by Aitken's factor.
+  !! make Newton's iteration oscillate. From the fifth iteration, an increment that reverses most of
+  !! the previous one is multiplied by Aitken's factor.
   function damping(newton) result(fraction)
     type(newton_t), intent(in) :: newton
     real(wp) :: fraction

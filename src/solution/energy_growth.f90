@@ -5,9 +5,10 @@
 !! a body penetrates deeply within one long step, contact pushes it back with more energy than the
 !! body has lost on its way in.
 !!
-!! The strain energy of the bodies is expensive to compute. It is therefore computed only if the
-!! energies of contact and motion, which are known anyway, have grown by more than the work done on
-!! contacts and masses, and the difference exceeds GROWTH times the largest energy so far.
+!! The strain energy of the bodies is expensive to compute. After a step it is therefore computed
+!! only if the energies of contact and motion, which are known anyway, have grown by more than the
+!! work done on contacts and masses, and the difference exceeds both GROWTH times the largest energy
+!! and the largest gain so far.
 module energy_growth
   use assembly, only: assembler_t
   use base_kinds, only: wp

@@ -5,7 +5,7 @@
 !! opposite faces. If all of them lie within an angle a of their mean m, every force that contact
 !! with friction mu can bear lies within a + atan(mu) of m. If the loads require a force outside
 !! this cone, there is no equilibrium, however small the step is. Directions in which the body is
-!! supported are ignored.
+!! supported are ignored if m has no component along them; otherwise the body is not examined.
 module friction_limit
   use base_kinds, only: wp
   use base_text, only: to_text

@@ -4,7 +4,8 @@
 !! between w_0 = f_0.du and w_1 = f_1.du, and bodies and contacts store or dissipate all of it. It
 !! is the mean of both if the model is linear, less if it stiffens in the step, and more if it
 !! softens. At a limit point the model jumps under constant load, and the energy that is released
-!! there would become motion: bodies and contacts have less energy than the forces have supplied.
+!! there becomes motion in reality: bodies and contacts have less energy than the forces have
+!! supplied.
 !!
 !! A step counts as a jump if it has two properties that can occur together only if the model is
 !! stiff, then soft and then stiff again within the step: the increment is much longer than the
@@ -12,7 +13,8 @@
 !! and the energies increase by less than w_0 + LEAST (w_1 - w_0). If the increment is much longer
 !! than the previous step suggests, but not much longer than the tangent suggests, as near a limit
 !! point, the step counts as a jump only if the energies increase by less than w_0, which is
-!! impossible in equilibrium.
+!! impossible in equilibrium. The magnitude of the work of the supports, whose forces are not part of
+!! f_0 and f_1, is subtracted from both limits.
 module load_jump
   use base_kinds, only: wp
   use base_log, only: warn

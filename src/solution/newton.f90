@@ -431,8 +431,8 @@ contains
     newton%converged = .not. loaded
   end subroutine close_newton
 
-  !> Find the pattern and analyse it. This is done once, and repeated only if TANG and UTAN
-  !! alternate or an option of FACTor changes.
+  !> Find the pattern and analyse it. This is done once, and repeated here only if TANG and UTAN
+  !! alternate or an option of FACTor changes; see take_pattern for changes by contact.
   subroutine prepare_newton(newton, model, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model

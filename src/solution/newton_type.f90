@@ -39,9 +39,9 @@ module newton_type
     real(wp), allocatable :: last(:)   !! (neq) the part taken of the last increment [L]
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
     real(wp), allocatable :: spacing(:) !! (nnode) distance to the nearest neighbour [L]
-    logical :: moves = .false.         !! some of `move` is not zero
+    logical :: moves = .false.         !! the next increment contains `move`
     real(wp), allocatable :: moved(:, :) !! (3, nnode) prescribed part of the last increment [L]
-    logical :: has_moved = .false.     !! some of `moved` is not zero
+    logical :: has_moved = .false.     !! the last increment contained `moved`
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
     logical :: predicted = .false.     !! displacements are predicted, forces not formed yet
     logical :: may_retreat = .false.   !! the last increment may be shortened

@@ -50,7 +50,7 @@ module stabilisation
   !! of an element and DEPTh
   real(wp), parameter :: FAR = 2.0_wp          !! a body that has moved this far, relative to the
   !! model, is lost
-  integer, parameter :: MOST_MOVES = 100       !! number of moves in a step
+  integer, parameter :: MOST_MOVES = 100       !! largest number of moves in a step
 
   type :: stabilisation_t
     logical :: known = .false.           !! `body` is known
