@@ -88,7 +88,7 @@ contains
     end if
   end function is_newton_increment
 
-  !> Is a body held only by springs or anchors?
+  !> Is a body held only by springs or anchors, or was it at any earlier time?
   pure logical function is_held(newton)
     type(newton_t), intent(in) :: newton
 

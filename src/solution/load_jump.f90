@@ -13,8 +13,8 @@
 !! and the energies increase by less than w_0 + LEAST (w_1 - w_0). If the increment is much longer
 !! than the previous step suggests, but not much longer than the tangent suggests, as near a limit
 !! point, the step counts as a jump only if the energies increase by less than w_0, which is
-!! impossible in equilibrium. The magnitude of the work of the supports, whose forces are not part of
-!! f_0 and f_1, is subtracted from both limits.
+!! impossible in equilibrium. The magnitude of the work of the supports, whose forces are not part
+!! of f_0 and f_1, is subtracted from both limits.
 module load_jump
   use base_kinds, only: wp
   use base_log, only: warn

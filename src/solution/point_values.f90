@@ -2,7 +2,8 @@
 !!
 !! Reactions are defined as in FEAPpv: they are the internal forces at the nodes minus the
 !! forces of body forces and pressures. Nodal forces (FORC, EFOR, CFOR, CSUR) are not subtracted: a
-!! free node with an applied force shows that force, and the sum over all nodes is zero in equilibrium without body forces and pressures.
+!! free node with an applied force shows that force, and the sum over all nodes is zero in
+!! equilibrium without body forces and pressures.
 module point_values
   use base_kinds, only: wp
   use basis_type, only: basis_t

@@ -381,10 +381,10 @@ contains
     outcome = STEP_ACCEPTED
   end subroutine close_step
 
-  !> In a model with contact, has a node moved in this step farther than twice the sum of the size of
-  !! the model and the largest prescribed displacement? A body that is held neither by contact nor by bonds is
-  !! in equilibrium anywhere, so the new positions of its nodes have no meaning. Only inertia
-  !! determines the motion of such a body.
+  !> In a model with contact, has a node moved in this step farther than twice the sum of the size
+  !! of the model and the largest prescribed displacement? A body that is held neither by contact
+  !! nor by bonds is in equilibrium anywhere, so the new positions of its nodes have no meaning.
+  !! Only inertia determines the motion of such a body.
   pure logical function flies_off(model, state) result(yes)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
