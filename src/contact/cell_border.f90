@@ -80,7 +80,9 @@ contains
     integer, intent(in) :: m                    !! number of corners
     integer, intent(in) :: tag(:)               !! (m)
     real(wp), intent(inout) :: xi(:, :) !! (2, m) corners, as parameters of this side's part
-    real(wp), intent(inout) :: zeta(:, :) !! (2, m) corners on edges of the other side's part
+    !> (2, m) the same corners as parameters of the other side's part, used where the edge before or
+    !! after the corner comes from that part.
+    real(wp), intent(inout) :: zeta(:, :)
     !> Deviations of the edges in the chart of the element, in the form that integrate_polygon
     !! expects.
     real(wp), intent(out) :: bend(2, NBEND, MOST_CORNERS)
@@ -178,8 +180,9 @@ contains
     zeta = max(theirs%from, min(theirs%to, to))
   end subroutine find_crossing
 
-  !> Find how the image of a straight edge of the other surface deviates from the straight line
-  !! between the ends of this image, in the charts of both elements.
+  !> Find the image on this side of an edge of the other side, which is straight in the chart of its
+  !! element. `bend` is the deviation of the image, in the chart of this side's element, from the
+  !! straight line between its ends; it is zero if a point of the image is not found.
   pure subroutine find_bend(own, shape, mine, other, opposite, elem, xi, xi_to, zeta, zeta_to, bend)
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape, opposite

@@ -88,7 +88,7 @@ contains
     pairs%used(i) = step
   end subroutine need_pair
 
-  !> Are there pairs that have not been needed since `step`?
+  !> Are there pairs that were last needed before `step`?
   pure logical function has_idle(pairs, step)
     type(pairs_t), intent(in) :: pairs
     integer, intent(in) :: step

@@ -106,7 +106,8 @@ contains
     end do
   end subroutine set_secant
 
-  !> Does friction act in this step? It acts in all steps that start at the time AFTEr or later.
+  !> Does friction act in this step? If the contact has friction, it acts in all steps that start at
+  !! the time AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
     type(contact_t), intent(in) :: contact
     type(state_t), intent(in) :: state
@@ -183,7 +184,7 @@ contains
     end associate
   end subroutine enter_slides
 
-  !> Mark the pairs of elements that the points in contact couple.
+  !> Mark the pairs of elements that bonded points and points in contact couple.
   subroutine need_pairs(work, contact, k, x, points, slides, step, grown)
     type(contact_work_t), intent(inout) :: work
     type(contact_t), intent(in) :: contact
@@ -272,7 +273,7 @@ contains
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)             !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest   !! see sweep_t
-    logical, intent(in), optional :: only_forces   !! skip the tangent (MORTar)
+    logical, intent(in), optional :: only_forces   !! with MORTar, skip the tangent
     real(wp), allocatable :: x(:, :)
     logical :: tangent
     integer :: c, k
@@ -347,7 +348,8 @@ contains
     state%side(k)%new_step = .false.
   end subroutine add_side
 
-  !> Accept a step: find the energies, and move the stored sliding points.
+  !> Accept a step: find the energies and the penetration of the corners, and move the stored
+  !! sliding points.
   subroutine accept_contact(work, model, state)
     type(contact_work_t), intent(inout) :: work(:)
     type(model_t), intent(in) :: model

@@ -12,7 +12,8 @@
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
 !! where p is the pressure and d = p - multiplier is the part of p that is due to the penetration.
-!! For a body on a rigid surface, rise = d.
+!! For a body on a rigid surface, rise = d. With MORTar, the multipliers belong to control points,
+!! and rise = d on both sides without smoothing.
 module contact_augment
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_state_t, MORTAR, contact_points_t
@@ -29,7 +30,9 @@ module contact_augment
 
   !> Increments of the multipliers of one side.
   type :: rise_t
-    real(wp), allocatable :: at(:)     !! (np) [F/L^2]; size 0 if the side is rigid
+    !> (np) or, with MORTar, (control points of the side) [F/L^2]. Without MORTar, the size is 0 if
+    !! the side is rigid.
+    real(wp), allocatable :: at(:)
   end type rise_t
 
 contains

@@ -29,7 +29,7 @@ module contact_bond
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   !> Traction that counts as almost nothing, relative to the largest one.
   real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
-  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative rounding error of the positions
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of an opening
 
   !> Traction of a bonded point per reference area, and its derivatives.
   type :: bond_traction_t
@@ -46,7 +46,8 @@ module contact_bond
 
 contains
 
-  !> Find the partner and the reference area of every bonded point of both sides.
+  !> If the contact has a cohesive law, find the bonded points of the sides that are not rigid,
+  !! their partners, and the reference areas of all points of these sides.
   subroutine find_bonds(contact, xr, state)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)       !! (3, nnode) reference positions [L]
@@ -88,15 +89,16 @@ contains
     end do
   end subroutine find_bonds
 
-  !> Find the bonded points whose initial gap is so large that the traction of the bond no longer
-  !! increases with the opening. Such bonds soften, or are broken, before anything has moved.
+  !> Find the bonded points whose initial gap is open (positive) and so large that the traction of
+  !! the bond no longer increases with the opening. Such bonds soften, or are broken, before
+  !! anything has moved.
   subroutine find_opened_bonds(contact, xr, state, n, widest, strongest)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) [L]
     type(contact_state_t), intent(in) :: state !! after find_bonds
     integer, intent(out) :: n                 !! number of these points
     real(wp), intent(out) :: widest           !! largest initial gap of these points [L]
-    real(wp), intent(out) :: strongest        !! opening with the largest traction [L]
+    real(wp), intent(out) :: strongest        !! opening with the largest traction [L]; 0 if n = 0
     type(work_t) :: work
     real(wp) :: x(3), up(3, 2), area, partner(3), normal(3), low
     integer :: e, i, k, q

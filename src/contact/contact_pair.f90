@@ -249,8 +249,7 @@ contains
     is_integrated = .not. (contact%side(k)%rigid .or. (contact%self .and. k == 2))
   end function is_integrated
 
-  !> Options of a contact as the log shows them after the normal law. There is one statement for
-  !! each option.
+  !> The options of a contact that the log shows after the normal law.
   function option_text(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
