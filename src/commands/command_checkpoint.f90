@@ -206,7 +206,8 @@ contains
       call exchange(x, 'path_opening', path%opening)
       call exchange(x, 'path_patience', path%patience)
     end associate
-    call exchange(x, 'path_warned', run%step%continuation%warned)
+    call exchange(x, 'path_warned_length', run%step%continuation%warned_length)
+    call exchange(x, 'path_warned_inertia', run%step%continuation%warned_inertia)
     call exchange(x, 'path_warned_energy', run%step%continuation%warned_energy)
     call exchange(x, 'total_unstable', run%step%total%unstable)
     call exchange(x, 'total_jumped', run%step%total%jumped)

@@ -153,8 +153,9 @@ contains
 
     associate (path => step%continuation)
       if (path%active == BY_LOAD) then
-        if (path%method == PATH_ARC .and. .not. (step%control%automatic .or. path%warned)) then
-          path%warned = .true.
+        if (path%method == PATH_ARC .and. .not. step%control%automatic &
+            .and. .not. path%warned_length) then
+          path%warned_length = .true.
           call warn('ARCLength,LENGth has no effect without AUTO', &
                     hint='write AUTO,,dtmin,dtmax before the steps')
         end if
@@ -253,8 +254,8 @@ contains
 
       call leave_load_control(path, BY_INERTIA)
       dynamics%on = .true.
-      if ((.not. path%given .or. path%method == PATH_ARC) .and. .not. path%warned) then
-        path%warned = .true.
+      if ((.not. path%given .or. path%method == PATH_ARC) .and. .not. path%warned_inertia) then
+        path%warned_inertia = .true.
         call warn(what//' at time '//to_text(step%start_time)//'; the run continues ' &
                   //'with inertia where necessary', hint='the log says where and why; with ' &
                   //'ARCLength,OFF in the deck the run would end if smaller steps failed too')

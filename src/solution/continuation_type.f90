@@ -65,7 +65,8 @@ module continuation_type
     real(wp) :: released = 0.0_wp        !! fraction of the bonds released under arc length control
     integer :: opening = 0  !! consecutive steps with arc length control that released bonds
     integer :: patience = FIRST_WAIT !! number of such steps before the release is controlled again
-    logical :: warned = .false.          !! a warning about the method has been issued
+    logical :: warned_length = .false.   !! a warning has said that the arc length has no effect
+    logical :: warned_inertia = .false.  !! a warning has said that the run continues with inertia
     logical :: warned_energy = .false.   !! a warning has said that the kinetic energy is too large
   end type continuation_t
 
