@@ -197,7 +197,7 @@ contains
       call warn('2 beta = '//to_text(2.0_wp*beta)//' is less than gamma = '//to_text(gamma) &
                 //': motions grow without bound in long steps', command%record%place(3), &
                 'give beta = '//to_text(0.25_wp*(gamma + 0.5_wp)**2)//', for instance: schemes ' &
-                //'with 2 beta >= gamma are stable for steps of any length')
+                //'with 2 beta >= gamma and alpha >= -1/2 are stable in steps of any length')
     else if (alpha < -0.5_wp - ROUNDING) then
       call warn('alpha = '//to_text(alpha)//' is less than -1/2: motions grow without bound in ' &
                 //'long steps', command%record%place(5), 'use -1/3 <= alpha <= 0')

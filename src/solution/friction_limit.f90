@@ -55,7 +55,7 @@ contains
       text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
              //'holds it: its loads tangential to the contact are ' &
              //to_text(norm2(along)/dot_product(r, m), 3)//' times its normal loads, but ' &
-             //'friction bears at most '//to_text(largest, 3)//' times the normal loads'
+             //'friction can resist at most '//to_text(largest, 3)//' times the normal loads'
       return
     end do
   end function sliding_text

@@ -168,7 +168,7 @@ class Sliding(Folder):
         """
         said = self.slide()
         self.assertIn("body 'up' slides along x, where only friction holds it", said)
-        self.assertIn("are 0.5 times its normal loads, but friction bears at most 0.05", said)
+        self.assertIn("are 0.5 times its normal loads, but friction can resist at most 0.05", said)
         self.assertIn("hint: support the body against this motion", said)
         self.assertIn("slides along y", self.slide(("PRESsure,up,1-", "PRESsure,up,2-")))
 
