@@ -97,7 +97,6 @@ contains
                 hold%weak(6, size(hold%body), 0))
       hold%known = .true.
     end if
-    hold%springs = .false.
     hold%used = .false.
     hold%moves = 0
     hold%at_contact = 0
