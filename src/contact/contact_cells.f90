@@ -62,8 +62,8 @@ module contact_cells
     real(wp), allocatable :: xi(:, :)       !! (2, n)
     real(wp), allocatable :: weight(:)      !! (n) reference area [L^2]
     type(foot_t), allocatable :: foot(:)    !! (n) projection
-    !> Self-contact: element and parameters of the facet that a point faces; projections start
-    !! there.
+    !> Element of the other side whose facet a point faces, and the parameters of the middle of this
+    !! facet. The first projection of the point starts there.
     integer, allocatable :: faced(:)        !! (n)
     real(wp), allocatable :: faced_xi(:, :) !! (2, n)
   end type cells_t
@@ -257,7 +257,7 @@ contains
   end subroutine make_frame
 
   !> Find the overlap of a facet of this side with a facet of the other side, seen along the normal
-  !! of the facet of this side.
+  !! of the facet of this side. The corners are given in the plane of this facet.
   pure subroutine overlap(origin, frame, quad, x, deep, high, m, corner, tag, zeta)
     real(wp), intent(in) :: origin(3), frame(3, 3)
     real(wp), intent(in) :: quad(2, 4)    !! the facet of this side in its plane
@@ -265,7 +265,8 @@ contains
     real(wp), intent(in) :: deep, high    !! depth and height beyond which facets do not touch [L]
     integer, intent(out) :: m             !! number of corners; 0: no overlap
     real(wp), intent(out) :: corner(2, MOST_CORNERS)
-    !> The edge after each corner is edge -tag of the facet, or edge `tag` of the other facet.
+    !> The edge after each corner is edge -tag of the facet of this side if `tag` is negative, or
+    !! else edge `tag` of the other facet.
     integer, intent(out) :: tag(MOST_CORNERS)
     !> Parameters, on [0,1], of the corners that lie on edges of the other facet.
     real(wp), intent(out) :: zeta(2, MOST_CORNERS)
@@ -387,7 +388,7 @@ contains
   end subroutine settle_edges
 
   !> Map corners from the plane of a facet to the parameters of its element. Corners on an edge of
-  !! the facet stay on that edge.
+  !! the facet stay on that edge. `mapped` is false if the map has no inverse there.
   pure subroutine map_corners(own, shape, e, flat, facets, i, frame, quad, m, corner, mapped)
     type(surface_t), intent(in) :: own
     type(shape_t), intent(in) :: shape

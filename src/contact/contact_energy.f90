@@ -44,7 +44,7 @@ contains
     real(wp), intent(in) :: slip(:)        !! (n) length of the slip in the step [L]
     real(wp), intent(in) :: limit_step(:)  !! (n) friction limit at the start of the step [F/L^2]
     real(wp), intent(in) :: limit(:)       !! (n) friction limit at the end of the step [F/L^2]
-    real(wp), intent(in) :: before         !! integral of the limit at the end of the last step [F]
+    real(wp), intent(in) :: before         !! integral of the limit at the start of the step [F]
     real(wp) :: force, left
 
     work = 0.5_wp*sum(area*slip*(limit_step + limit))

@@ -13,13 +13,12 @@ module contact_facets
 
   !> Surfaces face each other if the cosine of the angle between their normals is below this.
   real(wp), parameter, public :: FACING = -0.1_wp
-  !> A facet is divided while its normals differ by more than the angle with this cosine.
+  !> The number of facets of an element is chosen so that three limits hold approximately. The
+  !! normals of a facet differ from that in its middle by at most the angle with this cosine.
   real(wp), parameter :: NEARLY_FLAT = 0.7_wp
-  !> A facet is divided while its edges deviate from straight lines by more than this fraction of
-  !! their length.
+  !> The edges of a facet deviate from straight lines by at most this fraction of their length.
   real(wp), parameter :: NEARLY_STRAIGHT = 0.1_wp
-  !> A facet is divided while its tangents change by more than this fraction from the middle to the
-  !! corners.
+  !> The tangents of a facet change by at most this fraction from the middle to the corners.
   real(wp), parameter :: NEARLY_EVEN = 0.4_wp
   integer, parameter :: MOST_DIVISIONS = 4 !! largest number of parts of an element in one direction
 
@@ -39,13 +38,13 @@ module contact_facets
     !> Buckets along the longest axis of the surface, for the search.
     integer :: axis = 1
     real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
-    integer, allocatable :: bucket(:)       !! (n+1) first facet of each bucket
-    integer, allocatable :: order(:)        !! (n)
+    integer, allocatable :: bucket(:)       !! (n+1) first position of a bucket in `order`
+    integer, allocatable :: order(:)        !! (n) facets, sorted by bucket
   end type facets_t
 
 contains
 
-  !> Facets of a surface at its current positions.
+  !> Divide a surface, at the positions of `shape`, into facets.
   subroutine divide_surface(surface, shape, facets)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -120,8 +119,8 @@ contains
             sum(abs(m(1, 1)*d(2, :) - m(1, 2)*d(1, :))))/det
   end function change
 
-  !> Smallest number of divisions in each direction that makes the parts of an element nearly flat
-  !! and their edges nearly straight.
+  !> Smallest number of divisions in each direction, up to MOST_DIVISIONS, that makes the parts of
+  !! an element nearly flat, their edges nearly straight and their tangents nearly constant.
   pure integer function divisions(surface, shape, e) result(m)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

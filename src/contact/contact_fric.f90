@@ -26,7 +26,7 @@ contains
   end function describe
 
   !> Predict stick. If the traction then exceeds mu p, the corrector returns it to mu p. If `ahead`
-  !! is not negative, the point slips at mu p, whatever the prediction is.
+  !! is not negative and d is not zero, the point slips at mu p, whatever the prediction is.
   !!
   !! Perpendicular to the direction of slip, the stiffness -dt/dd is mu p divided by |d|, where d is
   !! the vector from the sliding point. At the start of a step, d contains hardly more than its

@@ -53,7 +53,8 @@ module contact_mortar
   !! the iteration began. Without friction, the forces in this state have a potential, and the state
   !! rotates with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
-  !> Largest number of times that the cells of a step are cut again after the iteration has settled.
+  !> Largest number of times that cells are cut again after the iteration has settled. The count
+  !! starts anew in each step, and whenever a later increment is large again.
   integer, parameter :: MOST_CUTS = 8
   !> A point of a surface moves at most this many times as far as the nodes, because shape functions
   !! may be negative.
@@ -61,8 +62,9 @@ module contact_mortar
 
 contains
 
-  !> Find cells, projections and pressures at the positions x, and the pairs of elements and the
-  !! nodes that they couple. `grown` means that the pattern must be rebuilt.
+  !> Find cells, projections and pressures at the positions x. Also find the pairs of elements that
+  !! contact couples, and the nodes that each control point couples. `grown` is set if the sparsity
+  !! pattern of the tangent must be rebuilt.
   subroutine find_mortar(mortar, contact, x, x_start, step, slides, trial, shape, grid, state, &
                          pairs, grown)
     type(mortar_t), intent(inout) :: mortar
@@ -153,9 +155,10 @@ contains
     far = sqrt(far)
   end function largest_motion
 
-  !> Project the points of side k. Points that cannot have closed since their last projection stay
-  !! open, unless control points need their gaps. A point that faces the same element as the last
-  !! projected point stays open too if its distance from that point is less than the gap there.
+  !> Project the points of side k. Unless control points need all gaps, two kinds of points stay
+  !! open without a projection: points that cannot have closed since their last projection, and
+  !! points that face the same element as the last projected point if their distance from that
+  !! point is less than the gap there.
   subroutine project_points(contact, k, x, travel, reference, shape, grid, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -241,7 +244,8 @@ contains
   end subroutine project_again
 
   !> Find the sliding point of a point in contact. This is the position on the other side that the
-  !! point faced at the start of the step, moved back by the elastic slip of the previous step.
+  !! point faced at the start of the step, moved back by the elastic slip of the previous step. Also
+  !! interpolate the friction limit and the rate of slip of the previous step.
   subroutine find_slide(mortar, contact, k, i, rubbed)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
@@ -358,7 +362,9 @@ contains
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)
     integer, intent(in) :: step
-    logical, intent(in) :: trial !! do not cut: a line search compares forces on the same cells
+    !> A trial of a line search is compared with other forces on the same cells. Cells are then cut
+    !! only after a motion beyond MOVED_FAR.
+    logical, intent(in) :: trial
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
     type(facets_t) :: facets(2)
@@ -404,7 +410,7 @@ contains
     end do
   end subroutine recut
 
-  !> Work space of the points of new cells.
+  !> Allocate and initialise the work space of the points of new cells.
   subroutine new_points(contact, k, side)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -430,7 +436,8 @@ contains
     end associate
   end subroutine new_points
 
-  !> Forces and derivatives of side k at the projections and pressures of find_mortar.
+  !> Add the forces of side k, and if `tangent` their derivatives, at the projections and pressures
+  !! of find_mortar.
   subroutine add_mortar(mortar, contact, k, x, u, dt, tangent, state, pairs, work, a, f, rounding, &
                         largest)
     type(mortar_t), intent(inout) :: mortar

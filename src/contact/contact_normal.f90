@@ -26,8 +26,8 @@ contains
   end function describe
 
   !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
-  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond that. With d > 0 the
-  !! derivative has no jump, and surfaces that just touch exert no pressure.
+  !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond that. The derivative
+  !! of p then has no jump, and it is zero where surfaces just touch.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier

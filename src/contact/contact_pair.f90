@@ -60,18 +60,18 @@ module contact_pair
     !! elements. The arrays are not allocated if there is no such edge.
     integer, allocatable :: part_first(:)    !! (4*nelem+1)
     type(edge_part_t), allocatable :: part(:)
-    !> (4, nelem) the edge is collapsed to a point (prisms); not allocated: no edge is collapsed.
+    !> (4, nelem) The edge is collapsed to a point (triangles). Not allocated: no edge is collapsed.
     logical, allocatable :: point(:, :)
     integer, allocatable :: vertex(:, :)     !! (4, nelem) vertex at each corner
     integer, allocatable :: ring_first(:) !! (nvertex+1) position in ring_elem for each vertex
     integer, allocatable :: ring_elem(:)     !! elements around the vertices
     integer, allocatable :: ring_corner(:)   !! corners of these elements that lie at the vertex
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
-    !> Control points of pressure and friction (MORTar): the nodes or, if some function of the
-    !! surface is negative somewhere, the vertices with bilinear functions (`hats`).
+    !> Control points of pressure (MORTar): the nodes or, if a function of the surface has negative
+    !! coefficients, the vertices with bilinear functions (`hats`).
     integer :: ncontrol = 0
     logical :: hats = .false.
-    integer, allocatable :: control_first(:) !! (nelem+1) position in `control` for each element
+    integer, allocatable :: control_first(:) !! (nelem+1) position in `control` of each element
     integer, allocatable :: control(:)       !! control points of the elements
   end type surface_t
 

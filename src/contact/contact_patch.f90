@@ -30,7 +30,8 @@ module contact_patch
 
 contains
 
-  !> Keep the size of the touching region of a step whose force is the largest one so far.
+  !> Measure and store the size of the touching region. Called after a step in which the force is
+  !! the largest one so far.
   subroutine follow_patch(contact, x, now)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)           !! (3, nnode) current positions [L]

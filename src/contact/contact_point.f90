@@ -4,8 +4,8 @@
 !! The point x belongs to side k; its projection x_p = x_l(xi_p) and its sliding point x_s =
 !! x_l(xi_s) belong to side l. The independent variations are those of x, of x_p at fixed xi_p, of
 !! the tangents of l at xi_p, and of x_s at fixed xi_s; the variation of xi_p follows from (x -
-!! x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge between
-!! facets, only the parameter along the edge varies; at a vertex, no parameter varies.
+!! x_p).a_alpha = 0 and is eliminated here. If the projection lies on an interior edge that is a
+!! ridge, only the parameter along the edge varies; at a vertex, no parameter varies.
 module contact_point
   use base_kinds, only: wp
   use contact_pair, only: assigned_law_t, contact_t
@@ -34,7 +34,7 @@ module contact_point
     real(wp) :: n(3) = 0.0_wp          !! normal of the other side, if in contact
     real(wp) :: p = 0.0_wp             !! pressure [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of the pressure up to this gap [F/L]
-    real(wp) :: rest = 0.0_wp          !! part of `energy` due to the multiplier at a gap of zero
+    real(wp) :: rest = 0.0_wp          !! energy due to the multiplier at a gap of zero [F/L]
     real(wp) :: t(3) = 0.0_wp          !! traction on side k [F/L^2]
     real(wp) :: friction(3) = 0.0_wp   !! part of t that is friction [F/L^2]
     real(wp) :: elastic(3) = 0.0_wp    !! [L] see friction_law_i
@@ -136,8 +136,8 @@ contains
   end subroutine secant_of_friction
 
   !> Find the pressure of the normal law. A point deeper than `full` is not pushed out through the
-  !! face: its pressure decreases to zero between `full` and twice that depth, and its energy
-  !! decreases to zero from there to `last`.
+  !! face: its pressure decreases to zero between `full` and twice that depth. From there to `last`
+  !! its energy decreases to zero, so that the pressure is negative.
   pure subroutine press(contact, gap, point, dp)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: gap            !! [L]
@@ -201,7 +201,7 @@ contains
         dn%a(:, :, j) = -outer(up(:, j), n) - outer(h(:, j), g)
       end do
     else if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
-      n = g/foot%gap  ! direction of the distance, in the cone of the facets' normals
+      n = g/foot%gap  ! direction of the distance, in the cone of the normals of the elements
       dn%x = -matmul(h, transpose(foot%a))
       do i = 1, 3
         dn%x(i, i) = dn%x(i, i) + 1.0_wp

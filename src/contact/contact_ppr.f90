@@ -6,7 +6,7 @@
 !!             plateau, and a larger number gives a tail
 !! prop(7:8)   lambda_n, lambda_t [-]: opening at the strength, divided by the final opening
 !! prop(9:16)  derived from these: m, n [-]; final openings delta_n, delta_t [L]; constants Gamma_n,
-!!             Gamma_t; differences <phi_n - phi_t>, <phi_t - phi_n>
+!!             Gamma_t [F/L] or [-]; differences <phi_n - phi_t>, <phi_t - phi_n> [F/L]
 !! Source:  Park, Paulino and Roesler 2009, J. Mech. Phys. Solids 57, 891-908; the tractions as in
 !!          Park and Paulino 2012, Eng. Fract. Mech. 93, 239-262. Unloading is linear to the origin
 !!          from the largest openings of both modes, on which both secants depend, so that damage
@@ -77,7 +77,7 @@ contains
     prop(12 + i) = -prop(i)*prop(12 + i)
   end subroutine prepare
 
-  !> Secants: with x = k_1/delta_n and y = k_2/delta_t,
+  !> Secants s of both modes at their largest openings k. With x = k_1/delta_n and y = k_2/delta_t,
   !!
   !!   s_n = -Gamma_n (m + alpha)/delta_n^2 P_n(x) Q_t(y),
   !!   s_t = -Gamma_t (n + beta)/delta_t^2 P_t(y) Q_n(x),

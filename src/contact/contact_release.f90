@@ -9,8 +9,8 @@ module contact_release
   private
   public :: add_release, bonded_area, find_release
 
-  !> Opening at which a bond counts as released (`contact%released`), divided by the opening d of
-  !! its law.
+  !> Opening at which a bond counts as released (`contact%released`), divided by the opening d that
+  !! scales the release. With the exponential law, d is the opening g_char of the law.
   real(wp), parameter :: OPENINGS = 8.0_wp
 
 contains
@@ -25,7 +25,7 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     real(wp), intent(in) :: x(:, :)                !! (3, nnode) current positions [L]
-    real(wp), intent(in) :: scale                  !! opening d of the law [L]
+    real(wp), intent(in) :: scale                  !! opening d, see OPENINGS [L]
     type(contact_points_t), intent(in) :: points
     real(wp), intent(inout) :: released            !! [L^2]
     real(wp), intent(inout) :: slope(:, :)         !! (3, nnode) derivative of the release [L]

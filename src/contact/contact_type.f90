@@ -10,8 +10,8 @@ module contact_type
 
   integer, parameter, public :: MAX_LAW_PROP = 16 !! length of a row of properties
   integer, parameter, public :: MAX_PAST = 7      !! history variables of a bonded point
-  !> Positions, among the history variables, of the openings on which the traction depends: the
-  !! openings of both modes, or the opening of the whole vector and a zero.
+  !> Positions, among the history variables, of the largest openings, on which the traction depends:
+  !! those of both modes, or that of the whole vector and a zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
 
   !> Role of a law, named after the record of the deck to which it belongs.
@@ -72,9 +72,9 @@ module contact_type
       real(wp), intent(in) :: prop(:)
       real(wp), intent(in) :: d(3)        !! vector from the sliding point, in the tangent plane [L]
       real(wp), intent(in) :: p           !! [F/L^2] pressure, > 0
-      !> [L] In the first iteration of a step, the slip that is expected in the step; the point then
-      !! slips, whatever d is. In other iterations, a negative number; d then decides between stick
-      !! and slip.
+      !> [L] At a point that slipped in the previous step, in the first iteration of a step: the
+      !! slip that is expected in the step. The point then slips unless d is zero. Otherwise a
+      !! negative number; d then decides between stick and slip.
       real(wp), intent(in) :: ahead
       real(wp), intent(out) :: t(3)       !! [F/L^2]
       real(wp), intent(out) :: dtdd(3, 3) !! [F/L^3]

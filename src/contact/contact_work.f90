@@ -4,9 +4,11 @@
 !! is -M_c(xi) t da, where M are the functions of the partner, and da includes the factor own_share.
 !! The traction t and the area da vary, and at a projection xi varies too (vary_projection):
 !!
-!!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b.
+!!   dxi_a = h_a.(dx - dx_p) + sum_b c_ab g.da_b,
 !!
-!! The parameters xi of a bond and of a sliding point are fixed.
+!! where x is the point, x_p its projection, and a_b are the tangents there.
+!!
+!! The parameters xi of the partner of a bond and of a sliding point are fixed.
 module contact_work
   use base_kinds, only: wp
   use contact_pair, only: contact_t, surface_t, MORTAR
@@ -20,16 +22,17 @@ module contact_work
             add_back, add_cross, measure, position_on, position_at, sliding_position, tangents_on, &
             element_functions, sliding_functions, own_share, energy_share, loads_both
 
-  !> Work arrays of one element and of its partners, which are the elements of the other side that
-  !! its points face. A slot is the position of a partner in the list.
+  !> Work arrays of one element and of its partners. These are the elements of the other side on
+  !! which the projections, the sliding points and the bonded partners of its points lie. A slot is
+  !! the position of an element in the list of partners.
   type :: work_t
     integer :: nk = 0                          !! nodes of the element
     logical :: secant = .false.                !! derivatives of friction are secants
     integer :: npartner = 0
     integer, allocatable :: partner(:)         !! elements of the other side
     real(wp), allocatable :: r(:, :)           !! (3, nk) force on the nodes, reversed [F]
-    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx of the nodes [F/L]
-    real(wp), allocatable :: kl(:, :, :)       !! (3*nk, 3*nl, npartner) dr/dx of partners' nodes
+    real(wp), allocatable :: kk(:, :)          !! (3*nk, 3*nk) dr/dx for the own nodes [F/L]
+    real(wp), allocatable :: kl(:, :, :) !! (3*nk, 3*nl, npartner) dr/dx for nodes of partners [F/L]
     !> BALAnced, MORTar: force on the partners' nodes, reversed, and its derivatives with respect to
     !! the nodes of the element and to those of the partner.
     real(wp), allocatable :: back(:, :, :)     !! (3, nl, npartner) [F]
@@ -76,7 +79,8 @@ contains
     allocate (work%pair(2, contact%nq), work%cross(3*ml, 3*ml, contact%nq))
   end subroutine new_work
 
-  !> Make room for n partners of an element; the contents of the arrays are lost.
+  !> Make room for n partners of an element. The list of partners is kept; the contents of the other
+  !! arrays are lost.
   pure subroutine reserve_partners(n, work)
     integer, intent(in) :: n
     type(work_t), intent(inout) :: work
@@ -283,8 +287,8 @@ contains
     work%kk(:, :3*work%nk) = 0.0_wp
   end subroutine clear
 
-  !> Add the force on the nodes of the element, and its derivatives with respect to the position of
-  !! the point and to its area.
+  !> Add the force on the nodes of the element, and its derivatives with respect to these nodes, on
+  !! which the position of the point and its area depend.
   pure subroutine add_own(t, dtdx, up, da, work)
     real(wp), intent(in) :: t(3)                 !! traction [F/L^2]
     real(wp), intent(in) :: dtdx(3, 3)           !! derivative with respect to the point
@@ -309,7 +313,7 @@ contains
   pure subroutine add_partner(other, e, xi, dtdx, dtda, da, work)
     type(surface_t), intent(in) :: other
     integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)                !! of a projection or of a sliding point
+    real(wp), intent(in) :: xi(2)                !! of a projection, sliding point or bonded partner
     real(wp), intent(in) :: dtdx(3, 3)           !! derivative with respect to the point xi of e
     real(wp), intent(in) :: dtda(3, 3, 2), da !! derivative with respect to the tangents; area [L^2]
     type(work_t), intent(inout) :: work

@@ -16,7 +16,7 @@ module mortar_control
 
   !> An overlap of a control point is ignored if it is below this fraction of the largest overlap.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
-  !> A gap below this fraction of the element's width is due to rounding.
+  !> A gap below this fraction of the width of the smallest element is due to rounding.
   real(wp), parameter :: NO_GAP = 1.0e-9_wp
 
 contains
@@ -154,7 +154,7 @@ contains
     end associate
   end function pressure_at
 
-  !> Find the nodes that each control point couples.
+  !> Find the nodes that each control point couples. `grown` is set if the pattern must be rebuilt.
   subroutine need_lists(contact, k, side, nnode, new, grown)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -300,8 +300,8 @@ contains
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, c
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) [L]
-    logical, intent(in) :: secant            !! omit dt/dp
-    integer, intent(in) :: at(:)             !! (nnode) column of a node
+    logical, intent(in) :: secant            !! omit the friction: the secant ignores the pressure
+    integer, intent(in) :: at(:)             !! (nnode) column of a node in `slope` and `rows`
     real(wp), intent(out) :: slope(:, :), rows(:, :) !! (3, nodes) [L^2]
     real(wp) :: psi(size_of_element(contact%side(k)))
     real(wp) :: there(size_of_element(contact%side(3 - k))), &

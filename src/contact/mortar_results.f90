@@ -204,7 +204,7 @@ contains
     do i = side%cells%first(e), side%cells%first(e + 1) - 1
       if (.not. side%p(i) > 0.0_wp) cycle
       d = sum((to_chart(flat, side%cells%xi(:, i)) - u)**2)
-      ! limit: about the distance between two points of this cell
+      ! d is squared: the limit is about twice the distance between two points of this cell
       inside = inside .or. d <= 4.0_wp*area*abs(side%cells%weight(i))
       if (d >= least) cycle
       least = d
@@ -252,9 +252,10 @@ contains
     end do
   end function deepest_own_corner
 
-  !> Add up the area of side k in contact and its parts that stick and slip, and find the largest
-  !! penetration. Pressures of control points extend over whole elements. Therefore a point is
-  !! included only if its pressure exceeds the penalty of the control points times its own gap.
+  !> Find the largest penetration of side k and the elastic energy of its friction, and add up its
+  !! area in contact and the parts of this area that stick and slip. Pressures of control points
+  !! extend over whole elements. The area of a point is therefore included only if its pressure
+  !! exceeds the penalty of the control points times its own gap.
   subroutine measure_cells(mortar, contact, k, shape, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact

@@ -11,7 +11,8 @@ module mortar_type
   private
   public :: new_mortar, control_functions, functions_at, number_at, size_of_element
 
-  !> Nodes that the pressure and friction of a control point couple, in any order.
+  !> The nodes that one control point couples, in any order: the pressure of the control point
+  !! varies with the positions of these nodes and acts on them.
   type :: node_list_t
     integer, allocatable :: node(:)
   end type node_list_t
@@ -36,8 +37,8 @@ module mortar_type
     real(wp), allocatable :: q(:), dq(:)      !! (ncontrol) pressure and its derivative
     real(wp), allocatable :: a(:)             !! (ncontrol) reference area of the overlap [L^2]
     real(wp), allocatable :: volume(:)        !! (ncontrol) sum of w N g [L^3]
-    integer, allocatable :: round_first(:)    !! (ncontrol+1)
-    integer, allocatable :: round(:)          !! elements around a control point
+    integer, allocatable :: round_first(:)    !! (ncontrol+1) position in `round`
+    integer, allocatable :: round(:)          !! elements around the control points
     type(node_list_t), allocatable :: known(:) !! (ncontrol) couplings of the current pattern
   end type mortar_side_t
 
@@ -51,9 +52,9 @@ module mortar_type
     !> For the m points that face one element; some of them slide on another element:
     real(wp), allocatable :: own(:)            !! (nk, m) own functions
     real(wp), allocatable :: shp(:)            !! (nl, m) functions at the projections
-    real(wp), allocatable :: slope(:)          !! (nl, 2, m, 3) derivatives times traction [F/L^2]
-    real(wp), allocatable :: dt(:)             !! (nd, 3, m) w dt [F/L]
-    real(wp), allocatable :: dxi(:)            !! (nd, 2, m) w dxi [L]
+    real(wp), allocatable :: slope(:)          !! (nl, 2, m, 3) dM/dxi times traction [F/L^2]
+    real(wp), allocatable :: dt(:)             !! (nd, 3, m) w dt/dx_d, see mortar_kernel [F/L]
+    real(wp), allocatable :: dxi(:)            !! (nd, 2, m) w dxi/dx_d [L]
     real(wp), allocatable :: ds(:, :, :)       !! (3, 3, m) w dt/dx_s at the sliding point x_s [F/L]
     real(wp), allocatable :: k(:)              !! (max(nk, nl), nd, 3) a product [F/L]
   end type kernel_t
@@ -61,7 +62,7 @@ module mortar_type
   !> Work space of one contact.
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
-    integer :: cuts = 0                       !! number of cuts of cells since the iteration settled
+    integer :: cuts = 0                       !! number of times that cells were cut after settling
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
     real(wp) :: travel = 0.0_wp               !! bound on the motion since the last cut [L]
@@ -78,7 +79,7 @@ module mortar_type
 
 contains
 
-  !> Work space of a contact.
+  !> Allocate and initialise the work space of a contact.
   subroutine new_mortar(contact, xr, mortar)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)          !! (3, nnode) reference positions [L]
@@ -128,7 +129,7 @@ contains
     end do
   end subroutine find_rounds
 
-  !> Functions of the control points of element e at xi; `shp` are those of its nodes.
+  !> Functions of the control points of an element at xi; `shp` are those of its nodes.
   pure subroutine control_functions(surface, xi, shp, psi)
     type(surface_t), intent(in) :: surface
     real(wp), intent(in) :: xi(2), shp(:)
@@ -163,6 +164,7 @@ contains
     n = max(4, maxval(surface%basis%nsf))
   end function size_of_element
 
+  !> Number of control points of element e.
   pure integer function number_at(surface, e) result(n)
     type(surface_t), intent(in) :: surface
     integer, intent(in) :: e

@@ -2,7 +2,8 @@
 !! a vertex.
 !!
 !! Two edges are the same if the same nodes have a trace on them and if they have the same position
-!! in the reference configuration. An edge that is collapsed to a point (prisms) has no neighbour.
+!! in the reference configuration. An edge that is collapsed to a point (as on triangles) has no
+!! neighbour.
 !! At a T-junction, an edge meets several others, each of which is a part of it
 !! (surface_t_junctions): the same control points of a spline have traces on all these edges, or the
 !! nodes of the parts are hanging nodes on the whole edge.
@@ -268,7 +269,7 @@ contains
     corner = 4*(e - 1) + c
   end function corner
 
-  !> The member that represents the set to which i belongs.
+  !> The member that represents the set of corners to which corner i belongs.
   pure integer function top(root, i)
     integer, intent(in) :: root(:), i
 
@@ -278,7 +279,7 @@ contains
     end do
   end function top
 
-  !> Unite the sets of i and j.
+  !> Unite the sets of corners i and j.
   pure subroutine join(root, i, j)
     integer, intent(inout) :: root(:)
     integer, intent(in) :: i, j
