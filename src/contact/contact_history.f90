@@ -74,7 +74,7 @@ contains
     end do
   end subroutine new_contact_state
 
-  !> Restore the state at the start of the step.
+  !> Restore the state at the start of the step, when the step is cut back.
   subroutine restore_contact_step(state)
     type(contact_state_t), intent(inout) :: state
     integer :: k
@@ -244,8 +244,8 @@ contains
 
   !> Coordinates of the sliding point of a point x beyond the outer boundary, in the element of the
   !! closest point of the boundary. They lie outside of the square [-1, 1]^2, and refer to the
-  !! tangents at the closest point (sliding_functions). When the surface moves below x, friction
-  !! thus acts against this motion. A sliding point on the boundary would turn the slip towards the
+  !! tangents at the closest point (sliding_functions). If the surface then moves under x, friction
+  !! acts against this motion. A sliding point on the boundary would turn the slip towards the
   !! normal of the boundary, and shorten it.
   pure function slide_beyond(other, shape, foot, x) result(xi)
     type(surface_t), intent(in) :: other

@@ -1,8 +1,8 @@
 !> Contacts that have not closed in any step of a run: their smallest gap, and a note at the end.
 !!
-!! Such a contact may be a stop that nothing should reach, so a note is issued instead of a warning,
-!! unless corners of elements penetrate while no integration point does. A contact with bonds is
-!! left out, because its faces are meant to separate.
+!! The other body may be an obstacle that nothing is meant to reach, so a note is issued instead of
+!! a warning, unless corners of elements penetrate while no integration point does. A contact with
+!! bonds is left out, because its faces are meant to separate.
 module contact_missed
   use base_kinds, only: wp
   use base_log, only: note, warn
@@ -15,8 +15,8 @@ module contact_missed
   private
   public :: follow_gaps, note_missed
 
-  !> Penetrations of a corner, relative to the size of an element. A penetration below NOTHING is
-  !! only rounding error; one above VISIBLE causes a warning.
+  !> Penetrations of a corner, relative to the smaller of the element size and the thickness. A
+  !! penetration below NOTHING is only rounding error; one above VISIBLE causes a warning.
   real(wp), parameter :: NOTHING = 1.0e-9_wp, VISIBLE = 1.0e-3_wp
 
 contains

@@ -16,7 +16,7 @@ module contact_pair
 
   !> SCHEme: the points at which the laws act, and the bodies on which their tractions act.
   integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
-  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides by half
+  integer, parameter, public :: BALANCED = 2 !! each integration point loads both sides with half
   !! of its traction
   integer, parameter, public :: MORTAR = 3   !! points of cells and control points load both sides
 
@@ -67,8 +67,8 @@ module contact_pair
     integer, allocatable :: ring_elem(:)     !! elements around the vertices
     integer, allocatable :: ring_corner(:)   !! corners of these elements that lie at the vertex
     logical, allocatable :: outer(:)         !! (nvertex) the vertex lies on the outer boundary
-    !> Control points of pressure (MORTar): the nodes or, if a function of the surface has negative
-    !! coefficients, the vertices with bilinear functions (`hats`).
+    !> Control points of pressure (MORTar): the nodes or, if a function of the surface is negative
+    !! somewhere, the vertices with bilinear functions (`hats`).
     integer :: ncontrol = 0
     logical :: hats = .false.
     integer, allocatable :: control_first(:) !! (nelem+1) position in `control` of each element

@@ -26,16 +26,17 @@ module contact_report
   !> Energy of penetration, divided by the work of supports and loads, above which this work cannot
   !! have supplied the energy, even if its sum over the steps is inaccurate.
   real(wp), parameter :: WITHOUT_WORK = 2.0_wp
-  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration over element size above which to warn
-  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip over motion above which to warn
-  real(wp), parameter :: SOFT = 0.2_wp !! share of the work in penetration above which to warn
-  real(wp), parameter :: MOST = 0.5_wp !! share of bonds broken in one step above which to warn
+  !> Limits above which a warning is issued.
+  real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration, relative to the size of an element
+  real(wp), parameter :: HALF = 0.5_wp        !! elastic slip, relative to the motion
+  real(wp), parameter :: SOFT = 0.2_wp        !! energy of penetration, relative to the work
+  real(wp), parameter :: MOST = 0.5_wp        !! fraction of the bonds that break in one step
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible fraction of the largest force so far
 
 contains
 
   !> Before a step is accepted, log which contacts it has closed or opened, and warn about points
-  !! that were in contact and are now deeper than DEPTh.
+  !! that were in contact and are now deeper than DEPTh, and about bonds that break suddenly.
   subroutine report_contact_changes(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -97,8 +98,8 @@ contains
               //': DT with a smaller dt')
   end subroutine report_break
 
-  !> Record the balance and the penetration of an accepted step, and warn if they show that results
-  !! are wrong.
+  !> Record the balance of the forces and the penetration of an accepted step. Warn if these, or the
+  !! elastic slip, show that results are wrong.
   subroutine measure_contacts(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -256,9 +257,9 @@ contains
     end do
   end function deepest_point
 
-  !> Find a point that was outside the other body at the start of the step, and is now behind its
-  !! surface and deeper than DEPTh, or has passed through the body within the step. Contact would
-  !! never act on such a point. `trouble` is allocated if there is one.
+  !> Find a point that was not deeper than DEPTh below the other surface at the start of the step,
+  !! and is now deeper than that, or has passed through the other body within the step. Contact
+  !! would never act on such a point. `trouble`, a text for the user, is allocated if there is one.
   subroutine find_jump(model, state, trouble)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state

@@ -6,8 +6,8 @@
 !! resultants of the nodal forces of the side. If the points of the other side load it too (with
 !! BALAnced, or if it is rigid), their forces act at their projections and partners. The moments of
 !! the two sides then differ by the forces along the surface (friction, BORDer) times the
-!! penetration. A rigid side has no points of its own: areas and numbers of points are those of the
-!! other side.
+!! penetration. A rigid side, or side 2 of self-contact, has no points of its own: its areas and
+!! numbers of points are those of the other side.
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
@@ -27,7 +27,7 @@ module contact_resultant
 
   type :: resultant_t
     real(wp) :: force(3) = 0.0_wp        !! force on this side [F]
-    real(wp) :: moment(3) = 0.0_wp       !! moment of this force, at current positions [F L]
+    real(wp) :: moment(3) = 0.0_wp       !! moment about a given point, in the current state [F L]
     real(wp) :: force_size = 0.0_wp      !! int |t| da [F]
     real(wp) :: moment_size = 0.0_wp     !! int |(x - about) x t| da [F L]
     real(wp) :: area = 0.0_wp            !! current area in contact [L^2]

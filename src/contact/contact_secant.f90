@@ -26,8 +26,8 @@ module contact_secant
   !! largest openings of both modes so far.
   integer, parameter :: REVERSIBLE = 0, WHOLE = 1, MODES = 2
 
-  !> Number of intervals over which the work of a step is integrated: PER_SCALE for an opening of
-  !! `scale`, and at most MOST.
+  !> Number of intervals over which the work of a step is integrated: PER_SCALE for a change of the
+  !! opening by `scale`, and at most MOST.
   integer, parameter :: PER_SCALE = 32, MOST = 512
 
   abstract interface

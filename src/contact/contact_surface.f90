@@ -155,9 +155,8 @@ contains
   end subroutine find_classes
 
   !> Key of the functions of a face. Faces with equal keys have the same functions, because their
-  !! block, local face and extraction operators are the same. If the key is negative, no other face
-  !! has these functions. All blocks number their operators with the same radix; otherwise keys of
-  !! two blocks could be equal.
+  !! block, local face and extraction operators are the same. A negative key belongs to one face
+  !! only. The keys of all blocks have the same radix; otherwise keys of two blocks could be equal.
   integer(i8) function face_key(mesh, surface, f, radix) result(key)
     type(mesh_t), intent(in) :: mesh
     type(surface_t), intent(in) :: surface

@@ -24,9 +24,9 @@ module contact_sweep
   integer, parameter :: NPART = 4         !! parts of a stage in which crossings are sought
   real(wp), parameter :: STAGE = 0.1_wp !! largest rotation in a straight stage of the step [rad]
   integer, parameter :: MOST_STAGES = 40
-  integer, parameter :: MOST_CROSSINGS = 16
+  integer, parameter :: MOST_CROSSINGS = 16 !! largest number of crossings stored for a point
   !> A point that was inside at the start of the step has passed through if it is now deeper than
-  !! TWICE*DEPTh, which by default is the thickness of the thinner body.
+  !! TWICE*DEPTh. By default, this is the thickness of the thinner body.
   real(wp), parameter :: TWICE = 2.0_wp
   real(wp), parameter :: ON_EDGE = 1.0e-9_wp
 

@@ -41,8 +41,8 @@ module projection
   !! is needed.
   real(wp), parameter :: LAST_STEP = 3.0e-8_wp
   !> If an iterate is closer than BESIDE to a collapsed edge and its step would pass this edge, the
-  !! other elements around the edge are tried. An iterate that is closer than ARRIVED counts
-  !! as lying on the edge.
+  !! other elements around this vertex are tried. An iterate that is closer than ARRIVED counts as
+  !! lying on the edge. These numbers, and INSIDE, are differences of a parameter.
   real(wp), parameter :: BESIDE = 1.0e-3_wp, ARRIVED = 1.0e-9_wp
   !> On its collapsed edge, an element is evaluated at this distance from the edge instead.
   real(wp), parameter :: INSIDE = 1.0e-6_wp
@@ -54,8 +54,8 @@ contains
   !> Project the point x onto a surface whose grid is up to date. The iteration starts at foot%elem
   !! and foot%xi; if there is no such element, or if the iteration ends farther away than `reach`,
   !! it starts from the grid. There is no projection (element 0) if x lies beyond the outer
-  !! boundary, if it is farther than `reach` from the box around the surface, or if the tangents are
-  !! parallel.
+  !! boundary, if it is farther than `reach` from the box around the surface, if the tangents are
+  !! parallel, or if the iteration does not converge.
   pure subroutine project(surface, shape, grid, x, foot, reach)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape

@@ -7,8 +7,8 @@ module projection_type
 
   !> Current geometry of a surface (surface_geometry).
   type :: shape_t
-    !> (3, nb, nelem) Bezier points [L], where nb is the number of functions of the largest basis;
-    !! those of rational surfaces are divided by their weights
+    !> (3, nb, nelem) Bezier points [L], where nb is the largest number of Bernstein polynomials of
+    !! an element
     real(wp), allocatable :: bez(:, :, :)
     real(wp), allocatable :: w(:, :)  !! (nb, nelem) weights of the points; not allocated: all one
     real(wp), allocatable :: low(:, :), high(:, :) !! (3, nelem) box around each element [L]

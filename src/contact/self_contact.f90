@@ -43,7 +43,7 @@ contains
 
   !> May two elements of a surface touch? An element does not touch itself. Two elements on opposite
   !! sides of a convex edge of the body do not touch each other, however sharp the edge becomes in
-  !! the motion.
+  !! the motion. Adjacent elements of a smooth surface touch only where it is folded inwards now.
   pure logical function may_touch(surface, reference, shape, e, f) result(may)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: reference, shape !! before the deformation, and now
@@ -100,7 +100,7 @@ contains
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
     type(foot_t), intent(inout) :: foot
-    !> The point and its projection are on opposite faces, but no deeper than DEPTh.
+    !> The point and its projection are on opposite faces, and the point is not deeper than DEPTh.
     logical, intent(out), optional :: through
     real(wp) :: x(3), n(3)
     logical :: touches
