@@ -6,8 +6,8 @@ The words are those of `bezel --list commands` and of src/input/word_table.f90. 
 is doc/manual/<KEY>.md, where KEY is its first four letters. Lines `Example:
 [...](../../input/manual/<name>.inp)` of the page name examples, which must use the word and end
 with code 0. A word whose page says that it is not available yet needs no example. The FEAP words in
-src/deck/deck_feap.f90 must be those in doc/manual/feap.md, and none of them may be a word of the
-deck. The exit code is 1 if anything is wrong.
+src/deck/deck_feap.f90 must be those in doc/manual/feap.md, with the same texts, and none of them
+may be a word of the deck. The exit code is 1 if anything is wrong.
 """
 
 import argparse
@@ -90,17 +90,22 @@ def check_feap(mesh, commands):
     """Complaints about words of FEAP: the hints of the program and the manual's page must agree."""
     source = (TOP / "src/deck/deck_feap.f90").read_text()
     tables = source.split("type(advice_t), parameter ::")[1:]
-    hinted = [
-        [word for row in re.findall(r"advice_t\('([^']*)'", part) for word in row.split()]
-        for part in tables
-    ]
+    hinted = [feap_hints(table) for table in tables]
     page = (PAGES / "feap.md").read_text().split("\n## ")
-    listed = [re.findall(r"^\| `(\w+)` \|", part, re.M) for part in page[1:4]]
-    listed = [[word[:4].lower() for word in words] for words in listed]
+    listed = [
+        {word[:4].lower(): text for word, text in re.findall(r"^\| `(\w+)` \| (.*) \|$", part, re.M)}
+        for part in page[1:4]
+    ]
     complaints = [
         f"feap.md and deck_feap.f90: '{key}' is only in one of them"
         for here, there in zip(hinted, listed, strict=True)
         for key in sorted(set(here) ^ set(there))
+    ]
+    complaints += [
+        f"feap.md: the text of '{key}' is not the hint of the program: {here[key]}"
+        for here, there in zip(hinted, listed)
+        for key in here
+        if there.get(key, here[key]) != here[key]
     ]
     for known, keys in zip((mesh, commands), hinted):
         ours = {word[:4].lower() for word in known}
@@ -108,6 +113,17 @@ def check_feap(mesh, commands):
             f"deck_feap.f90: '{key}' is also a word of the deck" for key in keys if key in ours
         ]
     return complaints
+
+
+def feap_hints(table):
+    """The hints of one table of deck_feap.f90 as sentences, by the first four letters of words."""
+    hints = {}
+    row = r"advice_t\('([^']*)',((?:\s|&|//|'(?:[^']|'')*')+)\)"
+    for words, literals in re.findall(row, table):
+        text = "".join(re.findall(r"'((?:[^']|'')*)'", literals)).replace("''", "'")
+        sentence = text if text.startswith("bezel") else text[0].upper() + text[1:]
+        hints.update(dict.fromkeys(words.split(), sentence + "."))
+    return hints
 
 
 def check_page(key, examples):

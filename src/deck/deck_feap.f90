@@ -36,7 +36,7 @@ module deck_feap
       'TIE joins nodes at the same position, and CONStraint of MESH ties a node to others'), &
     advice_t('ereg regi', &
       'there are no regions; give each body its own PATCh, or its own material'), &
-    advice_t('flex', 'every body is flexible, except a PATCh of TYPE RIGId'), &
+    advice_t('flex', 'every body is flexible, except a PATCh or SPLIne of TYPE RIGId'), &
     advice_t('foll', 'PRESsure with FOLLower follows the surface'), &
     advice_t('glob', &
       'the control record gives ndm and ndf; SMALl or FINIte of MATErial chooses the strains'), &
@@ -49,7 +49,8 @@ module deck_feap
     advice_t('mass', &
       'there are no point masses; DENSity of MATErial gives the mass, and MASS is ' &
         //'a command between BATCh and END'), &
-    advice_t('moda', 'a body is either elastic or a PATCh of TYPE RIGId; modes are not computed'), &
+    advice_t('moda', &
+      'a body is elastic, or a PATCh or SPLIne of TYPE RIGId; modes are not computed'), &
     advice_t('nblo nsid', 'NPATch takes the control points of a whole solid'), &
     advice_t('nopa pars', 'expressions are always evaluated; remove this word'), &
     advice_t('orde', 'METIS orders the equations; remove this word'), &
@@ -59,13 +60,13 @@ module deck_feap
       'COORdinates take expressions, such as r*cosd(30); TRANsform rotates and shifts nodes'), &
     advice_t('reac', 'FORCe loads nodes; REAC is a command between BATCh and END'), &
     advice_t('read', 'INCLude reads another file'), &
-    advice_t('rese', 'restraints cannot be removed; give each of them only where it is needed'), &
-    advice_t('rigi', 'a rigid body is a PATCh of TYPE RIGId'), &
+    advice_t('rese', 'CBOUndary, and EBOUndary with SET, replace the restraints of nodes'), &
+    advice_t('rigi', 'a rigid body is a PATCh or SPLIne of TYPE RIGId'), &
     advice_t('rota', 'ROTAte is a record of PATCh, MESH and SPLIne; TRANsform rotates nodes'), &
     advice_t('save', &
       'records of the mesh cannot be saved; INCLude reads them from a file, and ' &
         //'SAVE is a command between BATCh and END'), &
-    advice_t('sblo', 'BLOCk makes 8-node elements in a mapped region'), &
+    advice_t('sblo', 'BLOCk makes hexahedra in a mapped region'), &
     advice_t('shif', 'TRANslate of PATCh and MESH shifts a body, and TRANsform shifts nodes'), &
     advice_t('sloa', &
       'PRESsure loads faces of bodies, and CSURface a surface that is given by points'), &
