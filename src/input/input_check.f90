@@ -63,7 +63,7 @@ contains
         if (p%npatch == 0) cycle
         if (p%npatch > size(draft%npatch)) then
           call fail(error, DECK_ERROR, 'NPATch '//to_text(p%npatch)//' is not defined', &
-                    p%npatch_place, 'number of NPATch records in the deck: ' &
+                    p%npatch_place, 'number of solids that NPATch defines in the deck: ' &
                     //to_text(size(draft%npatch)))
           call draft%errors%add(error)
         else

@@ -300,9 +300,9 @@ contains
                      //"spline layer, or a smaller Poisson's ratio; refine to see the error")
         else if (linear(block%name)) then
           if (m%prop(NU) < LOCKING_FROM) cycle
-          call doubt(m, block%name, 'lock', 'use TYPE Q1E9 (with ENRIch: EAS; with ELEMents: ' &
-                     //'ENHAnced), or Q2, and tetrahedra of 10 nodes; elements that lock give ' &
-                     //'displacements that are far too small')
+          call doubt(m, block%name, 'lock', 'use hexahedra of TYPE Q1E9 (with ENRIch: EAS; with ' &
+                     //'ELEMents and BLOCk: ENHAnced) or Q2, or tetrahedra of 10 nodes; ' &
+                     //'elements that lock give displacements that are far too small')
         else
           if (m%prop(NU) < SOFT_FROM) cycle
           call doubt(m, block%name, 'have stresses that oscillate', 'trust displacements and ' &

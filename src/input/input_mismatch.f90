@@ -247,7 +247,7 @@ contains
     logical, intent(in) :: told(:, :)
     integer, intent(in) :: f
     integer, intent(out) :: part         !! one of these faces; 0: there is none
-    logical, intent(out) :: loose(MOST)  !! nodes of face f that belong to none of them
+    logical, intent(out) :: loose(MOST)  !! nodes of face f that belong to none of these faces
     integer :: g, i, j, k, n
 
     part = 0

@@ -128,7 +128,7 @@ contains
     end do
   end subroutine functions
 
-  !> Add the forces of the pressure on the outer faces of elements whose four corners lie on the
+  !> Add the forces of the pressure on those outer faces of elements whose corners all lie on the
   !! surface. Faces between two bodies or two materials count as outer faces, and so do faces that
   !! TIE joins.
   subroutine load_surface(mesh, r, on, new, bc, error)

@@ -52,8 +52,7 @@ contains
     call find_time(newton%constraint, state%time, measure, sum(slope*a), sum(slope*b), dt, &
                    arrived, pass%ok)
     if (.not. pass%ok) then
-      pass%trouble = 'the loads do not open the bonds as far as this step requires at any time ' &
-                     //'after 0'
+      pass%trouble = 'at no time after 0 do the loads open the bonds as far as this step requires'
       if (allocated(newton%constraint%direction)) pass%trouble = 'the path leads to times before 0'
       return
     end if

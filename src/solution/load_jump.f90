@@ -104,7 +104,7 @@ contains
               //to_text(state%time)//': its loads do work of about '//to_text(mean, 3) &
               //', but bodies and contacts absorb only '//to_text(gain, 3), hint='the rest ' &
               //'would set the model in motion: load control has skipped a limit point; follow ' &
-              //'the path with ARCLength,LENgth together with AUTO and smaller steps, or compute ' &
+              //'the path with ARCLength,LENGth together with AUTO and smaller steps, or compute ' &
               //'the motion with TRANsient')
   end subroutine report_jump
 
