@@ -93,7 +93,10 @@ def check_feap(mesh, commands):
     hinted = [feap_hints(table) for table in tables]
     page = (PAGES / "feap.md").read_text().split("\n## ")
     listed = [
-        {word[:4].lower(): text for word, text in re.findall(r"^\| `(\w+)` \| (.*) \|$", part, re.M)}
+        {
+            word[:4].lower(): text
+            for word, text in re.findall(r"^\| `(\w+)` \| (.*) \|$", part, re.M)
+        }
         for part in page[1:4]
     ]
     complaints = [

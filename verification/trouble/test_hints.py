@@ -55,7 +55,10 @@ class Locking(Folder):
         1.6 times the force of a fine mesh.
         """
         _, said = self.force("q1", "TYPE Q1\n")
-        self.assertIn("use hexahedra of TYPE Q1E9 (with ENRIch: EAS; with ELEMents and BLOCk: ENHAnced) or Q2", said)
+        self.assertIn(
+            "use hexahedra of TYPE Q1E9 (with ENRIch: EAS; with ELEMents and BLOCk: ENHAnced) or Q2",
+            said,
+        )
         self.assertNotIn("IGA", said)
         for name, record in {
             "q1e9": "TYPE Q1E9\n",
