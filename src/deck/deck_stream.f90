@@ -125,8 +125,8 @@ contains
     if (record%kind == RECORD_COMMENT) record%kind = RECORD_BLANK
   end subroutine next_of_set
 
-  !> Read the next record of a PATCh, CONTact or CURVe, in which a line with only a comment is
-  !! skipped.
+  !> Read the next record of a block that FEAP does not have, such as PATCh, CONTact or CURVe, in
+  !! which a line with only a comment is skipped.
   subroutine next_in_block(deck, record, error)
     class(deck_t), intent(inout) :: deck
     type(record_t), intent(out) :: record

@@ -37,7 +37,6 @@ contains
   subroutine check_name(path, error)
     character(*), intent(in) :: path
     type(error_t), allocatable, intent(out) :: error
-    character(*), parameter :: HINT = 'give the results another folder (-o) or name (--name)'
     character(:), allocatable :: name
 
     name = input_of(path, checkpoint=index(path, '.restart.h5') > 0)
@@ -45,11 +44,12 @@ contains
     if (name == '') name = input_of(path//'.probe')
     if (name /= '') then
       call fail(error, DECK_ERROR, 'the results would overwrite '//quoted(name) &
-                //', which this run reads', hint=HINT)
+                //', which this run reads', hint='give the results another folder (-o) or name ' &
+                //'(--name)')
     else if (len(base_name(path)) + len('.probe') > LONGEST) then
       call fail(error, DECK_ERROR, 'the name of a result file would have ' &
                 //to_text(len(base_name(path)) + len('.probe'))//' characters, more than ' &
-                //to_text(LONGEST), hint=HINT)
+                //to_text(LONGEST), hint='give the results a shorter name with --name')
     end if
   end subroutine check_name
 

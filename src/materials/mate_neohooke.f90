@@ -31,7 +31,7 @@ contains
     row%numbers = 'E nu'
     row%nvalue = 2
     row%volumetric = .true.
-    row%source = 'compressible neo-Hooke, VOLUme 3: Corbett and Sauer 2015, eq. (32)'
+    row%source = 'compressible neo-Hooke; with VOLUme 3, Corbett and Sauer 2015, eq. (32)'
     row%finite = .true.
     row%nprop = LAMBDA
     row%example(:2) = [2.0_wp, 0.3_wp]

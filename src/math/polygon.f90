@@ -5,7 +5,7 @@ module polygon
   private
   public :: clip, signed_area, integrate_polygon, MOST_CORNERS
 
-  integer, parameter :: MOST_CORNERS = 16 !! of a clipped polygon
+  integer, parameter :: MOST_CORNERS = 16 !! largest number of corners of a clipped polygon
 
 contains
 

@@ -50,11 +50,11 @@ module boundary
     real(wp), allocatable :: value(:, :) !! (3, nnode) prescribed displacement at factor 1 [L]
     !! (DISP, EDIS, CDIS)
     real(wp), allocatable :: force(:, :) !! (3, nnode) nodal force at factor 1 [F] (FORC, EFOR,
-    !! CFOR)
+    !! CFOR, and the forces of CSUR)
     integer, allocatable :: table(:, :) !! (3, nnode) load number of value and force (FPRO, EPRO)
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
-    type(dead_load_t), allocatable :: dead(:) !! integrated body forces, CSURf and dead pressures
+    type(dead_load_t), allocatable :: dead(:) !! integrated body forces and dead pressures
     type(load_number_t), allocatable :: number(:) !! load numbers of FPRO and EPRO, each once
     integer, allocatable :: rival(:, :) !! (3, nnode) second load number where TIE joins nodes with
     !! different numbers; negative: none. Not allocated if no node has one.

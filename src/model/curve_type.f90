@@ -9,7 +9,8 @@ module curve_type
   integer, parameter, public :: Q_FORCE = 1, Q_TORQUE = 2, Q_DISP = 3, Q_STRESS = 4, &
                                 Q_ENERGY = 5, Q_MAX_DISP = 6, Q_MAX_MISES = 7
   integer, parameter, public :: Q_NODAL = 8 !! FEAP's reactions
-  !> Quantities of one side of a contact. STICK, SLIP and DEBONDED are area fractions, 0 to 1.
+  !> Quantities of one side of a contact. STICK, SLIP and DEBONDED are fractions from 0 to 1: of the
+  !! area or, for STICK and SLIP without MORTar, of the number of points in contact.
   integer, parameter, public :: Q_CONTACT_FORCE = 9, Q_CONTACT_TORQUE = 10, &
                                 Q_CONTACT_PRESSURE = 11, Q_CONTACT_TANGENTIAL = 12, &
                                 Q_CONTACT_STICK = 13, Q_CONTACT_SLIP = 14, Q_CONTACT_AREA = 15, &

@@ -14,7 +14,7 @@ module dynamics_type
     logical :: on = .false.
     integer :: method = BACKWARD_EULER
     real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! parameters of Newmark's method
-    real(wp) :: alpha = 0.0_wp                   !! parameter of the HHT method, -1/3 to 0
+    real(wp) :: alpha = 0.0_wp                   !! parameter of the HHT method, -1 < alpha <= 0
     logical :: lumped = .false.
     !> Density of all bodies, which replaces the densities of their materials [M/L^3]; if it is
     !! negative, the densities of the materials are used.
