@@ -62,7 +62,7 @@ module mortar_type
   !> Work space of one contact.
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
-    integer :: cuts = 0                       !! number of times that cells were cut after settling
+    integer :: cuts = 0                       !! number of cuts since the iteration settled
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
     real(wp) :: travel = 0.0_wp               !! bound on the motion since the last cut [L]

@@ -20,7 +20,7 @@ module patch_lagrange
 
   !> The lattice of nodes. Along each direction, element c extends from lattice line m (c-1) to m c.
   type :: lattice_t
-    integer :: m = 1                        !! intervals of an element in a direction: its degree
+    integer :: m = 1                        !! intervals per element in each direction: its degree
     integer :: n(3) = 0                     !! number of intervals in each direction
     integer, allocatable :: node(:, :, :)   !! (0:n1, 0:n2, 0:n3); 0 on enriched faces
   end type lattice_t
