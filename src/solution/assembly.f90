@@ -39,7 +39,7 @@ module assembly
     real(wp), allocatable :: f_int(:, :) !! (3, nnode) internal force [F]
     real(wp), allocatable :: f_contact(:, :) !! (3, nnode) contact, a part of f_int [F]
     real(wp), allocatable :: f_ext(:, :) !! (3, nnode) external force [F]
-    type(mass_t), allocatable :: mass(:) !! set if the model has inertia
+    type(mass_t), allocatable :: mass(:) !! allocated once inertia acts
     real(wp), allocatable :: f_inert(:, :) !! (3, nnode) inertia, a part of f_int [F]
     type(anchors_t) :: anchors           !! anchors of bodies that contact does not hold
     !> Wall and processor time [s] of the sweeps since the times were last reset (after each

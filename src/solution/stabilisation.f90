@@ -105,8 +105,9 @@ contains
     allocate (hold%released(6, size(hold%body), 0))
   end subroutine begin_stabilisation
 
-  !> Find the rigid motions that neither supports nor the tangent resist. With inertia there are
-  !! none, because inertia resists every motion.
+  !> Find the rigid motions that supports do not prevent and the tangent resists only weakly
+  !! (`weak`) or not at all (`unheld`). With inertia there are none, because inertia resists every
+  !! motion.
   subroutine find_unheld(hold, model, state, k)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
