@@ -29,14 +29,14 @@ module factor_correction
   real(wp), parameter :: LARGEST_PART = 0.4_wp
 
   type :: correction_t
-    logical :: acts = .false.              !! it is used for the current matrix
+    logical :: acts = .false.              !! the correction is used for the current matrix
     !> (3, 3, nnode) diagonal blocks of the matrix whose factors are kept.
     real(wp), allocatable, private :: known(:, :, :)
     integer, allocatable, private :: eq(:, :)        !! (3, nnode) numbers in A_SS, 0: not in S
     integer, allocatable, private :: whole(:)        !! (ns) numbers of these equations in A
     integer, allocatable, private :: col(:)          !! pattern of the last analysis
     type(entries_t), private :: list
-    type(solver_mumps_t) :: solver         !! of A_SS
+    type(solver_mumps_t) :: solver         !! solver of A_SS
   end type correction_t
 
 contains
@@ -60,7 +60,7 @@ contains
     type(correction_t), intent(inout) :: correction
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)        !! (3, nnode) equation numbers, 0: prescribed
-    real(wp), intent(in) :: most           !! largest number of operations to factorise A_SS
+    real(wp), intent(in) :: most           !! largest number of operations allowed for A_SS
     type(error_t), allocatable, intent(out) :: error
     real(wp), allocatable :: values(:)
     logical :: analysed

@@ -86,7 +86,7 @@ contains
     type(block_matrix_t), intent(in) :: a
     integer, intent(in) :: eq(:, :)
     class(solver_t), intent(inout) :: solver
-    type(correction_t), intent(inout) :: correction !! of the factors; used if `acts`
+    type(correction_t), intent(inout) :: correction !! correction of the factors, used if it acts
     real(wp), intent(in) :: b(:)
     real(wp), intent(out) :: x(:)
     integer, intent(in) :: limit

@@ -304,7 +304,7 @@ contains
   subroutine find_signs(ls, a, report, error)
     class(linear_system_t), intent(inout) :: ls
     type(block_matrix_t), intent(in) :: a
-    type(solve_report_t), intent(inout) :: report !! of the solve
+    type(solve_report_t), intent(inout) :: report !! report of the solve
     type(error_t), allocatable, intent(out) :: error
     logical :: inexact
 

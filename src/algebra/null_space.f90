@@ -17,7 +17,7 @@ module null_space
   !> Eigenvalues below this limit are taken as zero. Free bodies of all shapes had eigenvalues of
   !! 6e-17 to 9e-17, and a clamped bar of 3000 cubes in a row had one of 2e-15.
   real(wp), parameter :: ZERO_EIGENVALUE = 2*epsilon(1.0_wp)
-  real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! the same limit for approximate factors
+  real(wp), parameter :: DOUBT = 2*epsilon(1.0) !! limit for approximate factors
   integer, parameter :: MOST = 14  !! motions found at once: six of each of two bodies, and two more
   integer, parameter :: STEPS = 2  !! number of steps of inverse iteration
 

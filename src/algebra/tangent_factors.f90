@@ -65,7 +65,7 @@ module tangent_factors
     logical :: exact = .true.            !! the factors are in double precision and not compressed
     real(wp) :: seconds_analyse(2) = 0.0_wp !! wall and processor time not reported yet [s]
     type(entries_t), private :: entries
-    integer, allocatable, private :: order(:) !! of the elimination, for the current pattern
+    integer, allocatable, private :: order(:) !! order of elimination for the current pattern
     logical, private :: analysed = .false.  !! the solver knows the current pattern
     logical, private :: proved = .false.    !! the last matrix that was factorised was regular
     logical, private :: escalated = .false. !! the chosen precision did not suffice

@@ -212,7 +212,7 @@ contains
   !! that friction acts in the step in which the point crosses the boundary. With HALFpass, it is
   !! the closest point of the boundary.
   pure subroutine accept_slides(scheme, own, other, shape, x, feet, points)
-    integer, intent(in) :: scheme                !! of the contact: HALFPASS, BALANCED
+    integer, intent(in) :: scheme                !! scheme of the contact: HALFPASS or BALANCED
     type(surface_t), intent(in) :: own, other
     type(shape_t), intent(in) :: shape           !! shape of the other side
     real(wp), intent(in) :: x(:, :)              !! (3, nnode) current positions [L]

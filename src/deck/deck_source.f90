@@ -172,7 +172,7 @@ contains
   subroutine add_source(list, path, at, error, place)
     type(source_list_t), intent(inout) :: list
     character(*), intent(in) :: path
-    integer, intent(out) :: at                    !! its position
+    integer, intent(out) :: at                    !! position in the list
     type(error_t), allocatable, intent(out) :: error
     type(place_t), intent(in), optional :: place  !! place of the record that names it
 

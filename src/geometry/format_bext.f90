@@ -93,7 +93,7 @@ contains
     integer, intent(in) :: nelem           !! expected number
     type(elements_t), intent(inout) :: elements
     type(error_t), allocatable, intent(out) :: error
-    integer, allocatable :: number(:), nf(:), degree(:, :) !! of the groups
+    integer, allocatable :: number(:), nf(:), degree(:, :) !! values of each group
     integer :: g, e, i, n, nvector, etype
 
     call next_count(text, 'the number of groups of elements', n, error)

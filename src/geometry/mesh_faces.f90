@@ -89,7 +89,7 @@ contains
   !> Compute a key of a face that does not depend on the order of its corners.
   pure subroutine make_key(node, corner, key)
     integer, intent(in) :: node(:)         !! corners of the face
-    integer, intent(out) :: corner(MOST)   !! the same in descending order; a triangle ends with 0
+    integer, intent(out) :: corner(MOST)   !! corners in descending order; a triangle ends with 0
     integer(i8), intent(out) :: key
     integer(i8), parameter :: FACTOR = 1000003_i8, MODULUS = 2147483647_i8
     integer :: i

@@ -16,7 +16,7 @@ module patch_surface
   type :: surface_t
     integer :: face = 0, axis = 0, side = 0 !! side 0: minimum, 1: maximum
     integer :: xi = 0, eta = 0        !! patch directions of xi and eta
-    integer :: dir(2) = 0             !! these two directions in ascending order, as in `space`
+    integer :: dir(2) = 0             !! the same two directions in ascending order, as in `space`
     integer :: degree(3) = 0          !! degree in each patch direction
     logical :: rational = .false.
     type(nurbs_t) :: space

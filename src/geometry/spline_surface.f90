@@ -14,7 +14,8 @@ module spline_surface
             finish_surface, transpose_surface
 
   integer, parameter :: MOST_FUNCTIONS = 256 !! largest number of functions of an element
-  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2 !! of one function
+  !> Largest number of coefficients of a function.
+  integer, parameter, public :: MOST_COEFFICIENTS = (MAX_DEGREE + 1)**2
   !> Tolerance for the sum of the functions. It is small, because files give the coefficients in
   !! full precision.
   real(wp), parameter :: UNITY = 1.0e-9_wp

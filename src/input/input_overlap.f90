@@ -26,8 +26,8 @@ module input_overlap
   !! that of the point, and the nearest one of the other body. The faces of rigid bodies have the
   !! exact shape, so their widths do not matter, but they may be as large as the body.
   real(wp), parameter :: DEEP = 0.3_wp
-  integer, parameter :: INTERVALS = 2       !! intervals between the points of an edge of a face
-  integer, parameter :: RIGID_INTERVALS = 8 !! the same on rigid bodies
+  integer, parameter :: INTERVALS = 2       !! number of intervals of an edge of a face
+  integer, parameter :: RIGID_INTERVALS = 8 !! the same for a rigid body
   integer, parameter :: MOST_PAIRS = 5  !! largest number of pairs that are named
 
 contains

@@ -56,7 +56,7 @@ module input_touching
     integer :: body(2) = 0
     integer :: face = 0                !! a face of the second body that touches the first
     real(wp) :: area(2) = 0.0_wp       !! area of each body that touches the other one [L^2]
-    real(wp) :: near(2) = 0.0_wp       !! the same with distances up to CURVED [L^2]
+    real(wp) :: near(2) = 0.0_wp       !! area if distances up to CURVED count as touching [L^2]
     logical :: overlaps = .false.      !! elements overlap at some points that touch
     real(wp) :: unlike(2) = 0.0_wp     !! area of each body with common nodes that join it to
     !! the other one only in part [L^2]

@@ -27,7 +27,7 @@ module boundary
     integer, allocatable :: block(:), elem(:), side(:)
     real(wp) :: value = 0.0_wp       !! [F/L^2]
     integer :: table = 0
-    logical :: follower = .false.    !! it acts on the current faces, not on the reference faces
+    logical :: follower = .false.    !! acts on the current faces, not on the reference faces
     type(place_t) :: place
   end type pressure_t
 

@@ -33,7 +33,7 @@ module curve_type
   !> The quantity of one column.
   type :: quantity_t
     integer :: id = 0
-    character(:), allocatable :: column  !! its name in the table
+    character(:), allocatable :: column  !! name of the column in the table
     integer, allocatable :: node(:)      !! nodes over which to sum or average
     !> Direction 1 to 3; for stress, Voigt index 1 to 6 (11 22 33 12 23 31); for tractions of a
     !! contact, 0 means the magnitude; for the energy balance, the term.

@@ -16,7 +16,7 @@ contains
   !! the rule of the element has more points in a direction, as for rational elements or with
   !! QUADrature, the face gets as many.
   subroutine face_points(degree, inner, side, xi, w, order)
-    integer, intent(in) :: degree(3)               !! of the cell
+    integer, intent(in) :: degree(3)               !! degrees of the cell
     real(wp), intent(in) :: inner(:, :)            !! (3, n) points of the element's rule
     integer, intent(in) :: side
     real(wp), allocatable, intent(out) :: xi(:, :) !! (3, nq)

@@ -56,8 +56,8 @@ module mesh
   type :: group_t
     character(:), allocatable :: name
     integer, allocatable :: node(:)    !! nodes, in ascending order
-    type(body_face_t) :: face          !! its element faces on the boundary; may be none
-    integer :: inner = 0               !! number of its surface elements inside the body
+    type(body_face_t) :: face          !! element faces of the set on the boundary; may be none
+    integer :: inner = 0               !! number of surface elements of the set inside the body
   end type group_t
 
   !> A body made by PATCh, MESH or SPLIne. Its faces 1 to 6 are called 1- 1+ 2- 2+ 3- 3+ in the
@@ -67,11 +67,11 @@ module mesh
     type(place_t) :: place
     integer, allocatable :: node(:)    !! nodes and control points of the body
     integer, allocatable :: mask(:)    !! bit f-1 is set if node(i) lies on face f
-    type(body_face_t) :: face(6)       !! of a mesh, face 1 is the whole boundary
-    type(group_t), allocatable :: group(:) !! of a mesh or spline; not allocated: a patch
-    integer, allocatable :: label(:)   !! (size(node)) of a mesh: ascending node numbers of its file
-    real(wp) :: thickness = 0.0_wp     !! of a mesh: 2 (volume)/(surface area) [L]
-    character(:), allocatable :: note  !! of a mesh: a summary of its file
+    type(body_face_t) :: face(6)       !! the six faces; face 1 of a mesh is its whole boundary
+    type(group_t), allocatable :: group(:) !! sets of a mesh or spline; not allocated: a patch
+    integer, allocatable :: label(:)   !! (size(node)) mesh: node numbers in the file, ascending
+    real(wp) :: thickness = 0.0_wp     !! mesh: 2 (volume)/(surface area) [L]
+    character(:), allocatable :: note  !! mesh: summary of the file
   end type body_t
 
   !> The nodes, and the blocks, bodies and constraints that refer to them.

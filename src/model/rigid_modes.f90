@@ -27,7 +27,7 @@ module rigid_modes
     integer, allocatable :: node(:)    !! its nodes in ascending order, without slaves
     logical :: in_contact = .false.    !! one of its faces belongs to a CONTact
     logical :: bonded = .false.        !! one of its faces belongs to a CONTact with COHEsive
-    real(wp) :: centre(3) = 0.0_wp     !! of its supported nodes, or of all if there are none [L]
+    real(wp) :: centre(3) = 0.0_wp     !! mean position of the supported nodes, or else of all [L]
     real(wp) :: size = 0.0_wp          !! largest distance of a node from the centre [L]
     integer :: nmotion = 0             !! number of motions that the supports permit
     real(wp) :: motion(6, 6) = 0.0_wp  !! (t, w) of each of these motions, orthonormal [-]

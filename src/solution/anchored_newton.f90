@@ -52,7 +52,7 @@ contains
   subroutine solve_anchored(newton, model, report, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
-    type(solve_report_t), intent(inout) :: report !! its signs become those with anchors
+    type(solve_report_t), intent(inout) :: report !! signs without, then with anchors
     type(error_t), allocatable, intent(out) :: error
     type(solve_report_t) :: other
     real(wp), allocatable :: w(:, :), y(:, :), s(:, :), c(:), value(:), work(:), lower(:, :)

@@ -37,7 +37,7 @@ module load_jump
     logical :: suspected = .false.
     real(wp) :: work(2) = 0.0_wp         !! w_0 and w_1 [F L]
     real(wp) :: least = 0.0_wp           !! least change of the energies without a jump [F L]
-    real(wp) :: energy = 0.0_wp          !! of bodies and contacts when the step began [F L]
+    real(wp) :: energy = 0.0_wp          !! energy of bodies and contacts when the step began [F L]
   end type jump_t
 
 contains

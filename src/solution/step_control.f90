@@ -28,7 +28,7 @@ module step_control
   !! to it.
   real(wp), parameter :: NEARLY = 1.0e-9_wp
   integer, parameter :: FEW = 6      !! the next step may grow after at most so many iterations
-  integer, parameter :: FAIR = 10    !! the same for a step smaller than dt
+  integer, parameter :: FAIR = 10    !! largest such number for a step smaller than dt
   integer, parameter :: MANY = 15    !! the next step is smaller after more iterations than this
   integer, parameter :: PATIENCE = 8 !! number of steps of limited length after a failed one
   real(wp), parameter :: SHORTER = 0.75_wp !! largest length of these steps, relative to the failed
