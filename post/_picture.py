@@ -25,8 +25,10 @@ class Scene:
         )
 
 
-def render(scenes, limits, cmap, camera, size):
-    """One image (height, width, 3) per scene, all cropped to the same frame."""
+def render(scenes, limits, cmap, camera, size, frame=None):
+    """One image (height, width, 3) per scene, all cropped to the same frame, which is the smallest
+    one that contains all of them or the projection of the box `frame`.
+    """
     import pyvista
 
     bounds = np.array(
@@ -54,11 +56,30 @@ def render(scenes, limits, cmap, camera, size):
                 moved = lines.translate(shift, inplace=False)
                 plot.add_mesh(moved, color=colour, line_width=width, lighting=False)
         plot.enable_parallel_projection()
-        plot.view_vector(direction, viewup=up, bounds=box)
+        plot.view_vector(direction, viewup=up, bounds=box if frame is None else frame)
+        if frame is not None:
+            _fill(plot, frame, direction, up, size)
         plot.enable_anti_aliasing("ssaa")
         images.append(np.asarray(plot.screenshot(return_img=True))[..., :3])
         plot.close()
-    return cropped(images)
+    return images if frame is not None else cropped(images)
+
+
+def _fill(plot, frame, direction, up, size):
+    """Let the projection of a box fill a picture of the given width."""
+    corners = np.array(np.meshgrid(*np.reshape(frame, (3, 2)), indexing="ij")).reshape(3, -1)
+    out = unit(direction)
+    right = unit(np.cross(up, out))
+    width, height = (np.ptp(axis @ corners) for axis in (right, np.cross(out, right)))
+    plot.window_size = [size[0], round(size[0] * height / width)]
+    plot.camera.parallel_scale = height / 2
+
+
+def greys():
+    """A colour map for bodies that are told apart but show no field."""
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(["#c9d3dc", "#e4ddd0"])
 
 
 def unit(direction):
@@ -83,7 +104,9 @@ def cropped(images):
 
 
 def compose(images, scenes, limits, cmap, label, output):
-    """Draw the panels, their captions and one colour bar on a page."""
+    """Draw the panels, their captions and one colour bar on a page; without a label there is no
+    bar.
+    """
     with _style.styled() as plt:
         from matplotlib.cm import ScalarMappable
         from matplotlib.colors import Normalize
@@ -100,15 +123,16 @@ def compose(images, scenes, limits, cmap, label, output):
         for ax, image, scene in zip(axes[0], images, scenes):
             ax.imshow(image, interpolation="lanczos")
             ax.set_axis_off()
-            ax.set_title(scene.caption, y=-0.02, va="top")
-        bar = figure.colorbar(
-            ScalarMappable(Normalize(*limits), cmap),
-            ax=axes[0].tolist(),
-            shrink=0.75,
-            aspect=24,
-            pad=0.02,
-        )
-        bar.set_label(label)
-        bar.outline.set_linewidth(0.5)
+            ax.set_title(scene.caption, y=-0.02, va="top", pad=0)
+        if label is not None:
+            bar = figure.colorbar(
+                ScalarMappable(Normalize(*limits), cmap),
+                ax=axes[0].tolist(),
+                shrink=0.75,
+                aspect=24,
+                pad=0.02,
+            )
+            bar.set_label(label)
+            bar.outline.set_linewidth(0.5)
         figure.set_dpi(200)
         _style.save(figure, output)

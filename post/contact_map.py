@@ -20,18 +20,19 @@ from post._error import Unreadable
 #: Indices of the coordinates that point right and up in the picture, for each viewing direction.
 PLANE = {"z": (0, 1), "x": (1, 2), "y": (2, 0)}
 APART = 0.12  # gap between the drawings of the two surfaces, relative to their width
-RIM = 0.2  # edges are drawn where normal . view exceeds this; nearer to the rim they look dashed
+RIM = 0.35  # edges are drawn where normal . view exceeds this; nearer to the rim they look dashed
 
 
 def draw(paths, output, scalar="contact_friction", component=None, step="last", limits=None,
          cmap=None, labels=None, axis="z", columns=2, edges=True, say_step=True,
-         turn=False):  # fmt: skip
+         turn=False, words=None):  # fmt: skip
     """Draw the contact surfaces of result files, with one panel per file and one colour scale.
 
     component: component of a vector, by default 1 (x) for friction and traction; step: as in
     post._grid.load, or a list with one step for each file; axis: the viewing direction, seen from
     its positive end; turn: whether to turn the drawings by 90 degrees clockwise, for surfaces that
-    are taller than wide. Returns the limits of the colours.
+    are taller than wide; words: the label of the colour bar, by default the name of the field.
+    Returns the limits of the colours.
     """
     if axis not in PLANE:
         raise Unreadable(f"unknown axis '{axis}'; known axes: x y z")
@@ -44,7 +45,8 @@ def draw(paths, output, scalar="contact_friction", component=None, step="last", 
             panel.caption = f"{label}, {panel.caption}" if say_step else label
     limits, cmap = _scalar.colours([v for p in panels for v in p.values()], limits, cmap)
     with _style.styled() as plt:
-        _compose(plt, panels, limits, cmap, _words(scalar, component), columns, edges, output)
+        words = words or _words(scalar, component)
+        _compose(plt, panels, limits, cmap, words, columns, edges, output)
     return limits
 
 
@@ -79,7 +81,7 @@ class _panel:
 
     def draw(self, ax, norm, cmap, edges):
         """Draw all sides on one pair of axes."""
-        from matplotlib.collections import LineCollection, PolyCollection
+        from matplotlib.collections import LineCollection
 
         start = 0.0
         for side in self.sides:
@@ -91,22 +93,25 @@ class _panel:
             height = sign * side.x[..., self.out]
             length = np.linalg.norm(side.outward, axis=-1)
             towards = sign * side.outward[..., self.out] / np.where(length > 0, length, 1)
-            quads, order, shown = _quads(flat, height, towards > 0)
-            mean = _corners(side.value).mean(axis=-1).ravel()[shown][order]
-            faces = PolyCollection(quads, array=mean, norm=norm, cmap=cmap, linewidths=0.3)
-            faces.set_edgecolor("face")
-            faces.set_rasterized(True)
-            faces.set_snap(False)
-            ax.add_collection(faces)
+            used, triangles = _triangles(flat, height, towards > 0)
+            # Colours are interpolated: small quadrilaterals, each of one colour, would let a
+            # pattern of thin lines appear between them.
+            ax.tripcolor(
+                triangles,
+                side.value.ravel()[used],
+                norm=norm,
+                cmap=cmap,
+                shading="gouraud",
+                rasterized=True,
+            )
             if edges:
                 lines = LineCollection(
                     _borders(flat, towards > RIM), colors="#1a1a1a", linewidths=0.5
                 )
                 ax.add_collection(lines)
-        ax.autoscale_view()
-        ax.set_aspect("equal", adjustable="datalim")  # captions of a row are at the same height
+        ax.set_aspect("equal")
         ax.set_axis_off()
-        ax.set_title(self.caption, y=-0.02, va="top")
+        ax.set_title(self.caption, y=-0.02, va="top", pad=0)
 
 
 def _corners(a):
@@ -114,14 +119,18 @@ def _corners(a):
     return np.stack([a[:, :-1, :-1], a[:, 1:, :-1], a[:, 1:, 1:], a[:, :-1, 1:]], axis=-1)
 
 
-def _quads(flat, height, seen):
-    """(quadrilaterals that face the viewer, the farthest first; their order; a mask that selects
-    them)
+def _triangles(flat, height, seen):
+    """(indices of the points used, triangles between them) of all faces that face the viewer, the
+    farthest first.
     """
-    shown = _corners(seen).any(axis=-1).ravel()
-    quads = np.stack([_corners(flat[..., i]) for i in (0, 1)], axis=-1).reshape(-1, 4, 2)[shown]
-    order = np.argsort(_corners(height).mean(axis=-1).ravel()[shown], kind="stable")
-    return quads[order], order, shown
+    from matplotlib.tri import Triangulation
+
+    number = np.arange(height.size).reshape(height.shape)
+    quads = _corners(number).reshape(-1, 4)[_corners(seen).any(axis=-1).ravel()]
+    quads = quads[np.argsort(height.ravel()[quads].mean(axis=-1), kind="stable")]
+    parts = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
+    used, parts = np.unique(parts, return_inverse=True)
+    return used, Triangulation(*flat.reshape(-1, 2)[used].T, parts.reshape(-1, 3))
 
 
 def _borders(flat, seen):
@@ -134,11 +143,25 @@ def _borders(flat, seen):
             (f[:, 0], s[:, 0]),
             (f[:, -1], s[:, -1]),
         ):
-            both = visible[:-1] | visible[1:]
+            both = _long_runs(visible[:-1] | visible[1:])
             pieces += [
                 piece for piece, ok in zip(np.stack([line[:-1], line[1:]], axis=1), both) if ok
             ]
     return pieces
+
+
+def _long_runs(seen):
+    """(n) the mask without runs that are shorter than a quarter of the edge: at the rim of a round
+    body they would look like stray strokes.
+
+    >>> _long_runs(np.array([True, False, False, False, True, True, True, False])).astype(int).tolist()
+    [0, 0, 0, 0, 1, 1, 1, 0]
+    """
+    ends = np.flatnonzero(np.diff(np.r_[False, seen, False]))
+    kept = np.zeros_like(seen)
+    for start, stop in ends.reshape(-1, 2):
+        kept[start:stop] = 4 * (stop - start) >= len(seen)
+    return kept
 
 
 def _words(scalar, component):
@@ -159,18 +182,32 @@ def _compose(plt, panels, limits, cmap, words, columns, edges, output):
     norm, columns = Normalize(*limits), min(columns, len(panels))
     rows = -(-len(panels) // columns)
     width = _style.PAGE if columns > 1 else 4.6
-    figure, axes = plt.subplots(
-        rows, columns, squeeze=False, figsize=(width, rows * (0.42 * width / columns + 0.35))
-    )
+    figure, axes = plt.subplots(rows, columns, squeeze=False)
     for ax in axes.ravel()[len(panels) :]:
         ax.set_axis_off()
     for ax, panel in zip(axes.ravel(), panels):
         panel.draw(ax, norm, cmap, edges)
+    sizes = _same_size(axes.ravel()[: len(panels)])
+    height = 0.86 * width / columns * sizes[1] / sizes[0]
+    figure.set_size_inches(width, rows * (height + 0.35))
     bar = figure.colorbar(ScalarMappable(norm, cmap), ax=axes.ravel().tolist(), aspect=24, pad=0.02)
     bar.set_label(words)
     bar.outline.set_linewidth(0.5)
     figure.set_dpi(200)
     _style.save(figure, output)
+
+
+def _same_size(axes):
+    """Give all panels one size, which is returned, in data: then they have one scale, and the captions
+    of a row are at the same height.
+    """
+    boxes = [ax.dataLim for ax in axes]
+    size = 1.02 * np.max([box.size for box in boxes], axis=0)
+    for ax, box in zip(axes, boxes):
+        middle = 0.5 * (box.min + box.max)
+        ax.set_xlim(middle[0] - 0.5 * size[0], middle[0] + 0.5 * size[0])
+        ax.set_ylim(middle[1] - 0.5 * size[1], middle[1] + 0.5 * size[1])
+    return size
 
 
 def main(argv):

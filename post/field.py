@@ -26,35 +26,47 @@ VIEWS = {
 
 def draw(paths, output, scalar="displacement", component=None, step="last", warp=1.0, view="iso",
          limits=None, cmap=None, labels=None, edges=True, outline=True, level=None, size=(1400, 1200),
-         mirror="", say_step=True):  # fmt: skip
+         mirror="", say_step=True, words=None, bodies=None, frame=None):  # fmt: skip
     """Draw one result file, or several side by side with one colour scale, into the file `output`.
 
     step: as in post._grid.load, or a list with one step for each path; component: 1 2 3, 11 22 33
     12 23 31, magnitude or trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits:
     (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz' if the model is
     part of a body that is symmetric about the planes where these coordinates are zero (scalars
-    only); say_step: whether the caption of a labelled panel also gives the step. Returns the limits
-    of the colours.
+    only); say_step: whether the caption of a labelled panel also gives the step; words: the label
+    of the colour bar, by default the name of the field; bodies: numbers of the bodies to draw, by
+    default all; frame: (xmin, xmax, ymin, ymax, zmin, zmax) of a box that fills the picture, for a
+    close-up. `warp` may be a list, too. With the scalar 'body' the bodies are grey and there is no
+    colour bar. Returns the limits of the colours.
     """
     prepare()
     steps = step if isinstance(step, list) else [step] * len(paths)
+    warps = warp if isinstance(warp, list) else [warp] * len(paths)
     shown = [
-        _scene(p, scalar, component, s, warp, edges, outline, level) for p, s in zip(paths, steps)
+        _scene(p, scalar, component, s, w, edges, outline, level, bodies)
+        for p, s, w in zip(paths, steps, warps)
     ]
     for scene, label in zip(shown, labels or [None] * len(shown)):
         for letter in mirror:
             scene.mirror("xyz".index(letter))
         if label:
             scene.caption = f"{label}, {scene.caption}" if say_step else label
+    plain = scalar == "body"
     limits, cmap = _scalar.colours([s.surface["shown"] for s in shown], limits, cmap)
+    if plain:
+        cmap = _picture.greys()
     camera = _camera(view)
-    images = _picture.render(shown, limits, cmap, camera, size)
-    _picture.compose(images, shown, limits, cmap, _scalar.label(scalar, component), output)
+    images = _picture.render(shown, limits, cmap, camera, size, frame)
+    words = None if plain else words or _scalar.label(scalar, component)
+    _picture.compose(images, shown, limits, cmap, words, output)
     return limits
 
 
-def _scene(path, scalar, component, step, warp, edges, outline, level):
+def _scene(path, scalar, component, step, warp, edges, outline, level, bodies=None):
     grid, time, number = _grid.load(path, step)
+    if bodies is not None:
+        numbers, _ = _scalar.values(grid, path, "body")
+        grid = grid.extract_cells(np.isin(numbers, bodies))
     values, on_points = _scalar.values(grid, path, scalar, component)
     (grid.point_data if on_points else grid.cell_data)["shown"] = values
     undeformed = _surface.outline(grid) if outline else None

@@ -81,8 +81,10 @@ def solve(bezel, out):
 def draw_run(out):
     """Draw the final stress in the arm, the tractions on its surface, and the forces."""
     result = out / "rocker.vtkhdf"
-    field.draw([result], out / "rocker_stress.png", scalar="mises", view="60,25", labels=["the pin at its end"],
-               say_step=False, outline=False)  # fmt: skip
+    # The rigid pin, the last body, would hide the arm.
+    field.draw([result] * 2, out / "rocker_stress.png", scalar="mises", view="60,50", bodies=[1, 2], outline=False,
+               step=[("time", 1.0), ("time", 2.0)], labels=["the pin pressed down", "the pin at its end"],
+               say_step=False)  # fmt: skip
     steps = {1.05: "just sliding", 1.5: "halfway", 2.0: "at the end"}
     for name in ("pressure", "friction"):
         contact_map.draw([result] * len(steps), out / f"rocker_{name}.png", scalar=f"contact_{name}", axis="y",

@@ -162,7 +162,7 @@ def _page(images, captions, path, columns):
         )
         for ax, image, caption in zip(axes.ravel(), images, captions):
             ax.imshow(image, interpolation="lanczos")
-            ax.set_title(caption, y=-0.04, va="top", fontsize=7.5)
+            ax.set_title(caption, y=-0.04, va="top", pad=0, fontsize=7.5)
         for ax in axes.ravel():
             ax.set_axis_off()
         figure.set_dpi(200)

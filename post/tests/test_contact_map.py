@@ -119,8 +119,9 @@ class ContactMap(Scratch):
                 panel = contact_map._panel(self.run_file, "contact_pressure", None, "last", "z")
                 (side,) = panel.sides
                 seen = np.ones(side.value.shape, dtype=bool)
-                quads, _, _ = contact_map._quads(side.x[..., :2], side.x[..., 2], seen)
-                self.assertAlmostEqual(area(quads), 1.0, 12)
+                _, parts = contact_map._triangles(side.x[..., :2], side.x[..., 2], seen)
+                corners = np.stack([parts.x, parts.y], axis=-1)[parts.triangles]
+                self.assertAlmostEqual(area(corners), 1.0, 12)
                 self.assertAlmostEqual(side.value.max(), 1.0, 12)
                 outward = -side.outward[..., 2]  # negative where it points into the body
                 self.assertTrue((outward > 0).all())

@@ -115,6 +115,28 @@ class Pictures(Scratch):
             self.assertEqual(found, time)
             np.testing.assert_array_equal(again.points, grid.points)
 
+    def test_a_close_up_has_the_shape_of_its_frame(self):
+        from post import _picture, field
+
+        scene = field._scene(self.run_file, "mises", None, "last", 0.0, True, False, None)
+        camera = field._camera("+z")
+        (image,) = _picture.render(
+            [scene], (1, 2), "viridis", camera, (300, 200), (0, 2, 0, 1, 0, 1)
+        )
+        self.assertEqual(image.shape[:2], (150, 300))
+
+    def test_a_body_is_drawn_alone(self):
+        from post import _grid, field
+
+        whole, file = _grid.load(self.run_file)[0], self.folder / "two.vtu"
+        with self.assertRaisesRegex(Unreadable, "no field 'body'"):
+            field._scene(self.run_file, "mises", None, "last", 0.0, False, False, None, [1])
+        whole.cell_data["body"] = np.arange(whole.n_cells) + 1
+        whole.save(file)
+        scene = field._scene(file, "body", None, "last", 0.0, False, False, None, [1])
+        one = whole.extract_cells([0])
+        np.testing.assert_allclose(scene.surface.bounds, one.bounds, atol=1e-6)
+
     def test_what_cannot_be_drawn_is_said(self):
         from post import field
 
