@@ -1,7 +1,8 @@
 """Colours, markers, sizes and fonts of all figures.
 
-The colours are those of Okabe and Ito, which colour-blind people can distinguish. Every series also
-has its own marker and line style, so that a figure printed in grey remains readable.
+The colours of numbered series are those of Okabe and Ito, which colour-blind people can distinguish.
+An element type has the same colour in all figures. Every series also has its own marker or line
+style, so that a figure printed in grey remains readable.
 """
 
 import contextlib
@@ -14,9 +15,17 @@ LINES = ("-", "--", "-.", ":")
 #: Widths of a figure in one and in two columns of a journal page [inch].
 COLUMN, PAGE = 3.5, 7.2
 
-#: Element types: the colour stands for the bulk element, the marker for the number of enriched
-#: faces, and the line style for the enhancement.
-_BULK = {"Q1": COLOURS[0], "Q1E9": COLOURS[1], "Q2": COLOURS[2], "IGA2": COLOURS[6]}
+#: Element types, the same in all figures: colour, and marker of a curve that does not distinguish
+#: the number of enriched faces. Open markers stand for enriched surfaces.
+ELEMENTS = {
+    "Q1": ("#0072B2", "o"), "Q1N2": ("#56B4E9", "s"), "Q1+Q1N2.1": ("#332288", "v"),
+    "Q1E9": ("#D55E00", "o"), "Q1E9+Q1N2": ("#E69F00", "s"), "Q1E9+Q1N3": ("#882255", "^"),
+    "Q1E9+Q1N4": ("#44AA99", "<"), "Q1E9+Q1N2.1": ("#CC79A7", "v"), "Q1E9+Q1N2.2": ("#661100", "p"),
+    "Q1E9+Q1N3.1": ("#AA4499", "h"), "Q1E9+Q1E9N2": ("#5E3C99", "X"),
+    "Q1E9+Q1E9N2 tapered": ("#999933", "P"), "Q1E9+Q1E9N2.1": ("#7570B3", "d"),
+    "Q2": ("#009E73", "o"), "Q2N2": ("#BBCC33", "s"), "Q2+Q2N2": ("#BBCC33", "s"),
+    "Q2+Q2N2.1": ("#8C564B", "v"), "IGA2": ("#000000", "D"), "IGA3": ("#888888", "P"),
+}  # fmt: skip
 
 RC = {
     "figure.dpi": 100, "savefig.dpi": 200, "savefig.bbox": "tight", "savefig.pad_inches": 0.04,
@@ -65,23 +74,22 @@ def series(i):
 
 def element(name):
     """Line properties of an element type, given by its name in verification: 'Q1E9+Q1N2 on 1+ and
-    2+'.
+    2+'. If the name says which faces are enriched, marker and line style stand for their number.
 
     >>> element("Q1")["marker"], element("Q1N2 on 1+")["marker"], element("Q1N2 on 1+ and 2+")["marker"]
     ('o', 's', '^')
+    >>> element("Q1N2")["color"] == element("Q1N2 on 1+")["color"] != element("Q1")["color"]
+    True
     """
-    layer = name.split(" on ")[0].split("+")[-1]
-    bulk = name.split(" on ")[0].split("+")[0]
-    bulk = {"Q1N2": "Q1", "Q2N2": "Q2", "Q1E9N2": "Q1E9"}.get(bulk, bulk)
-    faces = 0 if " on " not in name else 2 if " and " in name else 1
-    colour = _BULK.get(bulk, COLOURS[4])
-    if faces > 0 and layer.startswith("Q1E9"):  # the enriched layer is enhanced as well
-        colour = COLOURS[5] if layer.endswith("tapered") else COLOURS[3]
+    kind, _, where = name.partition(" on ")
+    colour, marker = ELEMENTS.get(kind, ("#666666", "o"))
+    faces = 0 if not where else 2 if " and " in where else 1
+    enriched = "N" in kind
     return {
         "color": colour,
-        "marker": ("o", "s", "^")[faces] if bulk != "IGA2" else "D",
-        "linestyle": "-" if faces == 0 else ("--", ":")[faces - 1],
-        "markerfacecolor": "white" if faces else None,
+        "marker": ("s", "^")[faces - 1] if faces else marker,
+        "linestyle": ("-", "--", ":")[faces],
+        "markerfacecolor": "white" if enriched else colour,
     }
 
 
@@ -91,7 +99,7 @@ def is_element(name):
     >>> is_element("Q1N2 on 1+"), is_element("mesh 3")
     (True, False)
     """
-    return name.split(" on ")[0].split("+")[0] in {*_BULK, "Q1N2", "Q2N2", "Q1E9N2"}
+    return name.partition(" on ")[0] in ELEMENTS
 
 
 def element_label(name):

@@ -46,10 +46,10 @@ def lines_of_types(ax, rows, name):
     """Plot the magnitude of an error against the number of elements in 1.3 contact radii, with one
     line per element type.
     """
-    for i, kind in enumerate(dict.fromkeys(r["elements"] for r in rows)):
+    for kind in dict.fromkeys(r["elements"] for r in rows):
         chosen = [r for r in rows if r["elements"] == kind]
         ax.loglog(
-            column(chosen, "mesh"), np.abs(column(chosen, name)), label=kind, **_style.series(i)
+            column(chosen, "mesh"), np.abs(column(chosen, name)), label=kind, **_style.element(kind)
         )
 
 
@@ -121,10 +121,9 @@ def mindlin(folder, plt):
     for i, (ax, kind) in enumerate(zip(axes, kinds, strict=True)):
         chosen = [r for r in rows if r["elements"] == kind]
         x = column(chosen, "x")
+        marks = {"markersize": 3.0, "color": _style.element(kind)["color"], "markeredgewidth": 0}
+        ax.plot(x, column(chosen, "shear"), "o", label=kind, **marks)
         ax.plot(x, column(chosen, "exact"), color="black", linewidth=0.9, label="Cattaneo, Mindlin")
-        ax.plot(
-            x, column(chosen, "shear"), "o", markersize=2.4, color=_style.COLOURS[i], label=kind
-        )
         ax.set_xlabel("x / b")
         ax.set_title(f"{'ab'[i]}) {kind}", loc="left")
         ax.legend(loc="lower center")

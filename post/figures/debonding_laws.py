@@ -38,18 +38,17 @@ def curve(rows, name):
 
 def point(ax, rows, folder, law, title):
     """Plot normal and shear loading at a point: the published formula as a line, and every second
-    step of the run as a mark.
+    step of the run as a mark; marks of normal and shear loading alternate, because the curves may be
+    the same.
     """
     for phi, column, color in ((0, "force_3", BLUE), (90, "force_1", RED)):
         way, force = curve(rows, f"{law} {phi}")
         reference = read(folder / f"cz_point/reference/{law}_{phi}.csv")
         ax.plot(way, [float(r[column]) for r in reference], color=color, linewidth=0.9)
-        label = "normal" if phi == 0 else "shear"
-        ax.plot(
-            way[::2], force[::2], "o" if phi == 0 else "s", markersize=2.6, color=color, label=label
-        )
+        first, mark, label = (0, "o", "normal") if phi == 0 else (1, "s", "shear")
+        ax.plot(way[first::2], force[first::2], mark, markersize=2.6, color=color, label=label)
     ax.set_xlabel("opening / $g_0$")
-    ax.set_ylabel("traction")
+    ax.set_ylabel("traction / unit of stress")
     ax.set_title(title, loc="left")
     ax.legend()
 
@@ -60,8 +59,8 @@ def dcb(ax, rows):
     opening = np.linspace(0.45, 1.0, 50)
     theory = np.sqrt(0.3**1.5 * 33750**0.5 / 3 / opening)
     ax.plot(*curve(rows, "dcb coarse"), color=GREY, linewidth=0.9, label="2 $T_0$, elements × 3")
-    ax.plot(way, force, "o", markersize=3, color=BLUE, label="exponential")
-    ax.plot(*curve(rows, "dcb ppr"), "s", markersize=2.6, color=RED, label="PPR")
+    ax.plot(way[::2], force[::2], "o", markersize=3, color=BLUE, label="exponential")
+    ax.plot(*curve(rows, "dcb ppr")[:, 1::2], "s", markersize=2.6, color=RED, label="PPR")
     ax.plot(opening, theory, color="black", linewidth=0.9, label="beams, Griffith")
     ax.set_ylim(0, 9.5)
     ax.set_xlabel("deflection of an arm, mm")
@@ -79,8 +78,8 @@ def pulled(ax, rows):
     force = np.sqrt(2 * stiffness * gc * (1 - (1 + slip / g0) * np.exp(-slip / g0)))
     end = slip + force * a / stiffness
     ax.plot(end, force, color="black", linewidth=0.9, label="closed form")
-    ax.plot(*curve(rows, "lap"), "o", markersize=3, color=BLUE, label="exponential")
-    ax.plot(*curve(rows, "lap ppr"), "s", markersize=2.6, color=RED, label="PPR")
+    ax.plot(*curve(rows, "lap")[:, ::2], "o", markersize=3, color=BLUE, label="exponential")
+    ax.plot(*curve(rows, "lap ppr")[:, 1::2], "s", markersize=2.6, color=RED, label="PPR")
     ax.set_xlabel("displacement of the end, mm")
     ax.set_ylabel("force, N")
     ax.set_title("e) strip pulled along a plate", loc="left")
@@ -126,7 +125,7 @@ def meshes(folder, plt):
             values = [abs(float(r[y]) - (y == "mean")) for r in chosen if r["mean"]]
             ax.loglog(x, np.maximum(values, 1e-5), mark, markersize=4, color=color, label=label)
     axes[0].set_title("a) mean force: deviation from theory", loc="left")
-    axes[1].set_title("b) scatter of the force", loc="left")
+    axes[1].set_title("b) scatter of the force over its mean", loc="left")
     for ax in axes:
         ax.set_xlabel("length of the zone / element")
     axes[1].legend(loc="lower left")

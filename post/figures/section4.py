@@ -1,23 +1,27 @@
-"""Figures 9, 10 and 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with
+"""Figures 8 to 12 of Corbett and Sauer 2015, section 4, and one on the enriched element with
 enhanced strains.
 
-They are drawn from verification/benchmark/section4/results.csv, which
+The errors are drawn from verification/benchmark/section4/results.csv, which
 `python -m verification.verify --study --all --case section4` writes, and from field.csv beside it,
-which study.py there writes:
+which study.py there writes. The cube of Figures 8 and 11 is drawn only if a program is given:
 
-    python -m post.figures.section4 [--results FILE] [--to doc/verification/figures]
+    python -m post.figures.section4 [--results FILE] [--bezel build/release/bezel]
+        [--to doc/verification/figures]
 """
 
 import argparse
 import pathlib
+import shutil
 import sys
+import tempfile
 
 import numpy as np
 
-from post import _style
+from post import _style, field
 from post._error import Unreadable
 from post._table import read_table
 from post.convergence import Series, plot
+from post.figures.demo import run
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = TOP / "verification/benchmark/section4/results.csv"
@@ -174,6 +178,37 @@ def figure_enhanced(compression, extension, fields, plt):
     return figure
 
 
+#: Panels of Figures 8 and 11: elements along half an edge, lift of the top, and caption.
+CUBES = (
+    (1, -0.25, "mesh 1, undeformed"),
+    (4, -0.25, "mesh 3, undeformed"),
+    (4, -0.25, "mesh 3, compressed"),
+    (4, 1.0, "mesh 3, stretched"),
+)
+
+
+def cube(bezel, to):
+    """Run the quarter of the cube with Q1N2 on one face, and draw its meshes."""
+    with tempfile.TemporaryDirectory() as place:
+        folder, files = pathlib.Path(place), {}
+        shutil.copy(RESULTS.with_name("cube.inc"), folder)
+        deck = (
+            RESULTS.with_name("q1n2_1.inp")
+            .read_text()
+            .replace("  NEXT,time\n", "  NEXT,time\n  PLOT\n")
+        )
+        for n, lift, _ in CUBES:
+            file = folder / f"cube_{n}_{lift:g}.inp"
+            file.write_text(
+                deck.replace("n = 2 ", f"n = {n} ").replace("u = -0.25", f"u = {lift:g}")
+            )
+            run(bezel, folder, file)
+            files[n, lift] = str(file.with_suffix(".vtkhdf"))
+        field.draw([files[n, lift] for n, lift, _ in CUBES], to / "section4_figure8.png", scalar="body",
+                   warp=[0.0, 0.0, 1.0, 1.0], outline=False, labels=[c for _, _, c in CUBES],
+                   say_step=False, view="35,18")  # fmt: skip
+
+
 def draw(results=RESULTS, to=FIGURES):
     """Draw all four figures from a table of results into a folder."""
     compression, extension = Results(results, "compression"), Results(results, "extension")
@@ -190,9 +225,7 @@ def draw(results=RESULTS, to=FIGURES):
 
 
 def main(argv=None):
-    p = argparse.ArgumentParser(
-        prog="section4", description="Draw Figures 9, 10 and 12 of the paper from results.csv."
-    )
+    p = argparse.ArgumentParser(prog="section4", description="Draw Figures 8 to 12 of the paper.")
     p.add_argument(
         "--results",
         default=RESULTS,
@@ -202,9 +235,12 @@ def main(argv=None):
     p.add_argument(
         "--to", default=FIGURES, metavar="DIR", help="(default doc/verification/figures)"
     )
+    p.add_argument("--bezel", type=pathlib.Path, metavar="FILE", help="program that runs the cube")
     o = p.parse_args(argv)
     try:
         draw(o.results, o.to)
+        if o.bezel:
+            cube(o.bezel.resolve(), pathlib.Path(o.to))
     except Unreadable as error:
         print(f"section4: error: {error}", file=sys.stderr)
         return 2

@@ -1,6 +1,6 @@
-"""Figures 18, 19 and 20 of Corbett and Sauer 2015, sections 5.2 and 5.3: sliding contact.
+"""Figures 17 to 21 of Corbett and Sauer 2015, sections 5.2 and 5.3: sliding contact.
 
-They are drawn from tables of curves, one for each mesh, element type and coefficient of friction:
+Figures 18 to 20 are drawn from tables of curves, one for each mesh, element type and coefficient of friction:
 
     <folder>/<mesh>_<elements>_<mu>.dat          for example 2_Q1E9+Q1N2_0.dat or 2_IGA2_0.5.dat
     <folder>/<mesh>_<elements>_<mu>/*_sole.dat   a folder written by the program
@@ -9,7 +9,11 @@ with the columns of `CURVe,sole`: factor_2 (fraction of the half turn), FORCe 3 
 sides. The reference for the force, IGA2 on a fine mesh, is read from `reference_IGA2_0.dat`;
 without this file the finest IGA2 mesh is used instead, and the figure says so.
 
-    python -m post.figures.section5_contact [--results FOLDER] [--to doc/verification/figures]
+Figures 17 and 21 are drawn only if there are result files, which `python -m
+verification.section5_contact --mesh 1 2 3` leaves in a folder for each run.
+
+    python -m post.figures.section5_contact [--results FOLDER] [--fields build/section5_contact]
+        [--to doc/verification/figures]
 """
 
 import argparse
@@ -19,12 +23,13 @@ import sys
 
 import numpy as np
 
-from post import _style
+from post import _style, contact_map, field
 from post._error import Unreadable
 from post._table import read_table
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 RESULTS = TOP / "verification/benchmark/section5_contact/runs"
+FIELDS = TOP / "build/section5_contact"
 FIGURES = TOP / "doc/verification/figures"
 NAME = re.compile(r"(?P<mesh>\w+)_(?P<elements>[^_]+)_(?P<mu>[0-9.]+)$")
 
@@ -145,7 +150,8 @@ class Runs:
 
 def _line(elements):
     """The line properties of an element type, the same in all figures."""
-    return _style.series(list(DOFS).index(elements))
+    style = _style.element(elements)
+    return style | {"markerfacecolor": style["color"]}  # open markers stand for the block
 
 
 def torques(ax, runs):
@@ -232,7 +238,8 @@ def figure_19(runs, plt):
         dofs, style = [r.dofs for r in found], _line(elements)
         forces = np.array([r.forces() for r in found])
         axes[0].semilogx(dofs, forces[:, 0], label=elements, **style)
-        axes[0].semilogx(dofs, forces[:, 1], **style | {"linestyle": "--", "fillstyle": "none"})
+        block = {"linestyle": "--", "markerfacecolor": "white"}
+        axes[0].semilogx(dofs, forces[:, 1], **style | block)
     axes[0].axhline(reference, color="#999999", linewidth=0.9, zorder=0)
     axes[0].annotate(
         words, (0, reference), xycoords=("axes fraction", "data"), va="bottom", color="#555555",
@@ -248,8 +255,21 @@ def figure_19(runs, plt):
 
     convergence(axes[1], runs, error, "relative error")
     axes[1].set_title("b) error of the mean of both sides", loc="left")
+    _annotate_dip(axes[1], dict(runs.by_elements()).get("Q1E9", []), error)
     legend(figure, axes[0], SIDES)
     return figure
+
+
+def _annotate_dip(ax, facets, error):
+    """Say why the error of the mean is small where the errors of the two sides cancel."""
+    for run in facets:
+        first, second = run.forces()
+        if error(run) < 0.1 * (first - second) / (first + second):
+            ax.annotate(
+                "the errors of the\ntwo sides cancel:\nsee a)", (run.dofs, error(run)),
+                xytext=(-22, 8), textcoords="offset points", fontsize=7.5, va="bottom", ha="right",
+                arrowprops={"arrowstyle": "-", "color": "#555555", "linewidth": 0.7},
+            )  # fmt: skip
 
 
 def figure_20(runs, plt):
@@ -262,6 +282,32 @@ def figure_20(runs, plt):
     axes[1].set_title("b) torque from 120 to 180 degrees", loc="left")
     legend(figure, axes[1], SIDES)
     return figure
+
+
+#: Figure 21: mesh and elements of each panel, in the order of the paper.
+TRACTIONS = (
+    ("2", "Q1E9"), ("2", "IGA2"), ("2", "Q1E9+Q1N2"), ("2", "Q1E9+Q1N3"), ("2", "Q1E9+Q1N2.1"), ("3", "Q1E9+Q1N2.1"),
+)  # fmt: skip
+MESHED = "Q1E9+Q1N2.1"  # the elements of the meshes in Figure 17
+
+
+def bodies(fields, to):
+    """Draw Figures 17 and 21: the meshes, and the tractions after 180 degrees."""
+    found = {}
+    for mesh, elements in {*TRACTIONS, *((m, MESHED) for m in "123")}:
+        found[mesh, elements] = next(fields.glob(f"{mesh}_{elements}_0.5/*.vtkhdf"), None)
+    missing = [f"{m}_{e}_0.5" for (m, e), file in sorted(found.items()) if file is None]
+    if missing:
+        print(
+            f"no result files of {', '.join(missing)} in {fields}: Figures 17 and 21 are not drawn"
+        )
+        return []
+    field.draw([str(found[m, MESHED]) for m in "123"], str(to / "section5_figure17.png"), scalar="body", warp=0.0,
+               labels=[f"mesh {m}" for m in "123"], say_step=False, view="-65,12")  # fmt: skip
+    labels = [f"{'abcdef'[i]}) {e}, mesh {m}" for i, (m, e) in enumerate(TRACTIONS)]
+    contact_map.draw([str(found[case]) for case in TRACTIONS], str(to / "section5_figure21.png"),
+                     labels=labels, say_step=False, words="$t_x / E_0$ after 180 degrees")  # fmt: skip
+    return ["section5_figure17", "section5_figure21"]
 
 
 def draw(results=RESULTS, to=FIGURES):
@@ -282,13 +328,15 @@ def draw(results=RESULTS, to=FIGURES):
 
 def main(argv=None):
     p = argparse.ArgumentParser(
-        prog="section5_contact", description="Draw Figures 18 to 20 of the paper from curve tables."
+        prog="section5_contact", description="Draw Figures 17 to 21 of the paper."
     )
     p.add_argument("--results", default=RESULTS, metavar="FOLDER")
+    p.add_argument("--fields", type=pathlib.Path, default=FIELDS, metavar="FOLDER")
     p.add_argument("--to", default=FIGURES, metavar="DIR")
     o = p.parse_args(argv)
     try:
         draw(o.results, o.to)
+        bodies(o.fields, pathlib.Path(o.to))
     except Unreadable as error:
         print(f"section5_contact: error: {error}", file=sys.stderr)
         return 2

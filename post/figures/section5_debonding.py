@@ -13,6 +13,8 @@ import argparse
 import pathlib
 import sys
 
+import numpy as np
+
 from post import _style, field
 from post._error import Unreadable
 from post._table import read_table
@@ -30,6 +32,9 @@ GROUPS = (
     ("q2", "q2_q2n2", "q2_q2n2.1", "iga2"),
 )
 FINER = "iga2"
+CLOSE = (-9, 1, -9, 1, -0.5, 2.5)  # part of the plate below the peeling front
+CLOSE_VIEW = "-75,40"
+LIFT = 15.5  # up to which curves are compared with each other
 OFF = 0.999  # released fraction of the bond at which the curves end: the strip has come off
 
 
@@ -47,47 +52,90 @@ def in_equilibrium(columns):
     return {k: v[: int(moves.argmax())] for k, v in columns.items()} if moves.any() else columns
 
 
-def forces(results, mesh, group, plt):
-    """Plot the peeling forces of those element types of a group that were run."""
-    figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
-    for name in group:
-        if (results / f"{mesh}_{name}.dat").exists():
-            c = in_equilibrium(bonded(results / f"{mesh}_{name}.dat"))
-            ax.plot(c["disp_3"], c["force_3"], label=LABELS[name], **line(name))
-    finer = results / f"3_{FINER}.dat"
-    if mesh == "2" and FINER in group and finer.exists():  # grey, as in the paper's Figure 16
-        c = in_equilibrium(bonded(finer))
+def figure_of(results, mesh, group, quantity, plt):
+    """Plot a quantity against the lift for those element types of a group that were run, and beside
+    it the difference from the reference, because most of the curves lie on each other.
+    """
+    figure, axes = plt.subplots(1, 2, figsize=(_style.PAGE, 2.9), width_ratios=(1.25, 1))
+    value, words, difference, rest = QUANTITIES[quantity]
+    finest = f"{results}/3_{FINER}.dat"
+    reference = columns_of(
+        finest if pathlib.Path(finest).exists() else f"{results}/{mesh}_{FINER}.dat"
+    )
+    x = np.linspace(0, LIFT, 500)
+    there = reached(x, reference["disp_3"], value(reference))
+    scale = 100 / max(there) if quantity == "force" else 1
+    for name in sorted(group, key=lambda n: n != FINER):
+        path = results / f"{mesh}_{name}.dat"
+        if path.exists():
+            c = columns_of(path) if quantity == "force" else bonded(path)
+            axes[0].plot(c["disp_3"], value(c), label=LABELS[name], **line(name))
+            here = reached(x, c["disp_3"], value(c))
+            if np.abs(here - there).max() > 0:  # the reference itself has no difference
+                axes[1].plot(x, scale * (here - there), **line(name))
+    if mesh != "3" and pathlib.Path(finest).exists():  # grey, as in the paper's Figure 16
         grey = line(FINER) | {"color": "#bbbbbb", "zorder": 1, "linewidth": 3.0}
-        ax.plot(c["disp_3"], c["force_3"], label=f"{LABELS[FINER]}, mesh 3", **grey)
-    ax.set_xlabel("lift $u / L_0$")
-    ax.set_ylabel("peeling force $P / E_0 L_0^2$")
-    ax.set_title(f"mesh {mesh}, in equilibrium", loc="left")
-    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
+        axes[0].plot(
+            reference["disp_3"], value(reference), label=f"{LABELS[FINER]}, mesh 3", **grey
+        )
+    axes[1].axhline(0.0, color="#bbbbbb", linewidth=3.0, zorder=1)
+    for ax in axes:
+        ax.set_xlabel("lift $u / L_0$")
+    axes[1].set_xticks(range(0, 16, 5))
+    axes[0].set_ylabel(words)
+    axes[1].set_ylabel(difference)
+    axes[0].set_title(f"a) mesh {mesh}{rest}", loc="left")
+    axes[1].set_title("b) difference from IGA2, mesh 3", loc="left")
+    handles, labels = axes[0].get_legend_handles_labels()
+    order = [labels.index(LABELS[n]) for n in group if LABELS[n] in labels]
+    order += [i for i in range(len(labels)) if i not in order]
+    figure.legend(
+        [handles[i] for i in order],
+        [labels[i] for i in order],
+        loc="outside lower center",
+        ncols=6 if len(order) <= 6 else 5,
+    )
     return figure
+
+
+def columns_of(path):
+    """The columns of a curve while the states are in equilibrium."""
+    return in_equilibrium(bonded(path))
+
+
+def reached(x, lift, values):
+    """The values when each lift of x is reached first, since the lift decreases in snap-backs."""
+    first = np.r_[True, lift[1:] > np.maximum.accumulate(lift)[:-1]]
+    return np.interp(x, np.r_[0.0, lift[first]], np.r_[0.0, values[first]])
+
+
+#: The value of each row, the labels of both panels, and what is added to the title.
+QUANTITIES = {
+    "force": (
+        lambda c: c["force_3"],
+        "peeling force $P / E_0 L_0^2$",
+        "difference / largest force, %",
+        ", in equilibrium",
+    ),
+    "front": (
+        lambda c: 100 * c["contact_glue_1_debonded"],
+        "bond released, %",
+        "difference, percentage points",
+        "",
+    ),
+}
 
 
 def line(name):
-    """The line properties of an element type, which are the same in all figures."""
-    order = [n for group in GROUPS for n in group if n != "iga2"]
-    black = "#000000"
-    colours = [c for c in _style.COLOURS if c != black] + ["#8c564b"]  # black is IGA2's
-    colour = black if name == "iga2" else colours[order.index(name)]
-    return {"color": colour, "marker": "", "linewidth": 1.1}
-
-
-def front(results, mesh, plt):
-    """Plot the released fraction of the bond against the lift."""
-    figure, ax = plt.subplots(figsize=(0.65 * _style.PAGE, 3.2))
-    for name in LABELS:
-        if (results / f"{mesh}_{name}.dat").exists():
-            c = bonded(results / f"{mesh}_{name}.dat")
-            released = 100 * c["contact_glue_1_debonded"]
-            ax.plot(c["disp_3"], released, label=LABELS[name], **line(name))
-    ax.set_xlabel("lift $u / L_0$")
-    ax.set_ylabel("bond released, %")
-    ax.set_title(f"mesh {mesh}", loc="left")
-    ax.legend(loc="upper left", bbox_to_anchor=(1, 1))
-    return figure
+    """The line properties of an element type; the line of IGA2 is wide and drawn first, so that
+    curves on top of it leave its edges visible.
+    """
+    wide = name == FINER
+    return {
+        "color": _style.element(LABELS[name])["color"],
+        "linewidth": 2.2 if wide else 1.0,
+        "zorder": 2 if wide else 3,
+    }
 
 
 def strips(fields, to):
@@ -96,11 +144,18 @@ def strips(fields, to):
     if not all(pathlib.Path(f).exists() for f in files.values()):
         print(f"no result files in {fields}: Figures 13 and 14 are not drawn")
         return
-    look = {"scalar": "stress", "component": "trace", "outline": False, "say_step": False}
-    field.draw([files["q1e9_q1n2"]] * 2, str(to / "section5_figure13.png"), step=[("time", 0.5), ("time", 1.0)],
-               labels=["lift 7.75", "lift 15.5"], view="-60,25", **look)  # fmt: skip
-    field.draw([files["q1e9"], files["q1e9_q1n2"]], str(to / "section5_figure14.png"), step=("time", 6.4 / 15.5),
-               labels=["Q1E9, lift 6.4", "Q1E9+Q1N2, lift 6.4"], view="-60,25", **look)  # fmt: skip
+    look = {
+        "scalar": "stress",
+        "component": "trace",
+        "outline": False,
+        "say_step": False,
+        "words": "$I_1 / E_0$",
+    }
+    times = [0.0, 0.5, 1.0]
+    field.draw([files["q1e9_q1n2"]] * 3, str(to / "section5_figure13.png"), step=[("time", t) for t in times],
+               labels=["undeformed", "lift 7.75", "lift 15.5"], view="-60,25", **look)  # fmt: skip
+    field.draw(list(files.values()), str(to / "section5_figure14.png"), step=("time", 6.4 / 15.5), bodies=[2],
+               labels=["Q1E9", "Q1E9+Q1N2"], view=CLOSE_VIEW, frame=CLOSE, **look)  # fmt: skip
 
 
 def energies(results, mesh, name, plt):
@@ -111,16 +166,10 @@ def energies(results, mesh, name, plt):
     x = 100 * c["contact_glue_1_debonded"]
     base = 0.0 * x
     for k, (part, words) in enumerate((*parts, ("inertia", "taken by inertia"))):
-        ax.fill_between(
-            x,
-            base,
-            base + c[f"book_{part}"],
-            color=_style.COLOURS[k],
-            alpha=0.6,
-            label=words,
-            linewidth=0,
-        )
-        base = base + c[f"book_{part}"]
+        top = base + c[f"book_{part}"]
+        if np.abs(top - base).max() > 1e-3 * c["book_work"].max():  # else it cannot be seen
+            ax.fill_between(x, base, top, color=_style.COLOURS[k], alpha=0.6, label=words, lw=0)
+        base = top
     ax.plot(
         x,
         c["book_work"],
@@ -147,14 +196,13 @@ def main(argv=None):
             f"no curves in {o.results}: python -m verification.section5_debonding --write makes them"
         )
     there = lambda mesh, names: any((o.results / f"{mesh}_{n}.dat").exists() for n in names)
+    shown = [("figure15", GROUPS[0], "force"), ("figure16", GROUPS[1], "force"), ("front", tuple(LABELS), "front")]  # fmt: skip
     with _style.styled() as plt:
         for mesh in "123":
-            for figure, group in ("15", GROUPS[0]), ("16", GROUPS[1]):
-                if there(mesh, set(group) - ({"iga2"} if figure == "16" else set())):
-                    file = o.to / f"section5_figure{figure}_mesh{mesh}.png"
-                    _style.save(forces(o.results, mesh, group, plt), file)
-            if there(mesh, LABELS):
-                _style.save(front(o.results, mesh, plt), o.to / f"section5_front_mesh{mesh}.png")
+            for figure, group, quantity in shown:
+                if there(mesh, set(group) - ({FINER} if figure == "figure16" else set())):
+                    file = o.to / f"section5_{figure}_mesh{mesh}.png"
+                    _style.save(figure_of(o.results, mesh, group, quantity, plt), file)
         _style.save(
             energies(o.results, "1", "q1e9_q1n2", plt), o.to / "section5_peeling_energy.png"
         )

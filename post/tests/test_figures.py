@@ -9,7 +9,7 @@ import numpy as np
 from post import _style, convergence, curve
 from post.__main__ import main
 from post._error import Unreadable
-from post.figures import contact, section4
+from post.figures import contact, section4, section5_debonding
 from post.tests.samples import Scratch, write_curve
 
 TABLE = """# made up
@@ -19,6 +19,33 @@ compression,Q1,2,135,1.01
 compression,Q2,2,675,1.001
 extension,Q1,2,135,2.5
 """
+
+
+class Style(unittest.TestCase):
+    def test_element_types_differ_in_colour_and_the_same_type_does_not(self):
+        colours = {name: colour for name, (colour, _) in _style.ELEMENTS.items()}
+        self.assertEqual(colours.pop("Q2N2"), colours["Q2+Q2N2"])  # two names of one type
+        self.assertEqual(len(set(colours.values())), len(colours))
+
+    def test_an_unknown_type_is_grey(self):
+        self.assertFalse(_style.is_element("Q7"))
+        self.assertEqual(_style.element("Q7")["color"], "#666666")
+
+
+class Debonding(Scratch):
+    def test_a_lift_that_decreases_counts_where_it_is_reached_first(self):
+        lift, force = np.array([1.0, 2.0, 1.5, 3.0]), np.array([1.0, 2.0, 9.0, 3.0])
+        found = section5_debonding.reached(np.array([0.5, 1.5, 2.5]), lift, force)
+        np.testing.assert_allclose(found, [0.5, 1.5, 2.5], rtol=1e-14)
+
+    def test_the_committed_curves_are_drawn(self):
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            options = ["--fields", str(self.folder), "--to", str(self.folder)]
+            self.assertEqual(section5_debonding.main(options), 0)
+        self.assertIn("Figures 13 and 14 are not drawn", said.getvalue())
+        names = {path.name for path in self.folder.glob("*.png")}
+        self.assertIn("section5_figure16_mesh2.png", names)
+        self.assertEqual(len(names), 9)
 
 
 class Curve(Scratch):
