@@ -24,15 +24,12 @@ QUANTITIES = {
 }
 PERCENT = 100.0
 
-#: Colour and marker of an element type; open markers stand for enriched elements.
-TYPES = {
-    "Q1": (0, "o", True), "Q1+Q1N2.1": (0, "s", False),
-    "Q1E9": (1, "o", True), "Q1E9+Q1N2": (1, "s", False), "Q1E9+Q1N3": (1, "^", False),
-    "Q1E9+Q1N4": (1, "v", False), "Q1E9+Q1N2.1": (3, "s", False), "Q1E9+Q1N2.2": (3, "D", False),
-    "Q1E9+Q1N3.1": (3, "^", False), "Q1E9+Q1E9N2.1": (5, "s", False),
-    "Q2": (2, "o", True), "Q2+Q2N2.1": (2, "s", False),
-    "IGA2": (6, "D", True), "IGA3": (6, "P", True),
-}  # fmt: skip
+#: Element types by row of the figure: facets, quadratic bodies and splines; layers on Q1 or Q1E9.
+ROWS = (
+    ("Q1", "Q1E9", "Q2", "Q2+Q2N2.1", "IGA2", "IGA3"),
+    ("Q1+Q1N2.1", "Q1E9+Q1N2", "Q1E9+Q1N3", "Q1E9+Q1N4", "Q1E9+Q1N2.1", "Q1E9+Q1N2.2", "Q1E9+Q1N3.1",
+     "Q1E9+Q1E9N2.1"),
+)  # fmt: skip
 #: Settings: title of the panel, prefix of the values in the column of names, the usual value.
 SETTINGS = {
     "points": ("points per direction", "q ", 5),
@@ -59,36 +56,37 @@ class Results:
         return np.array([float(v) if str(v).strip() else np.nan for v in value])
 
 
-def look(elements):
-    colour, marker, full = TYPES[elements]
-    colour = _style.COLOURS[colour]
-    face = colour if full else "white"
-    return {"color": colour, "marker": marker, "markerfacecolor": face, "markeredgecolor": colour}
-
-
 def figure_elements(results, plt):
-    """Plot the element types; a line joins the meshes of each type."""
-    figure, axes = plt.subplots(1, 3, figsize=(_style.PAGE, 3.9), sharex=True)
-    for ax, (name, title) in zip(axes, QUANTITIES.items()):
-        for elements in TYPES:
-            rows = results.rows("elements", elements)
-            if len(rows) == 0:
-                continue
-            rows = rows[np.argsort(results.number("mesh", rows))]
-            x, y = results.number("cpu_s", rows), PERCENT * results.number(f"e_{name}", rows)
-            ax.loglog(x, y, label=elements, linewidth=0.8, **look(elements))
-            for i, row in enumerate(rows):
-                if elements in ("Q1E9", "IGA2", "Q1E9+Q1N2.1"):
-                    label = f"{int(results.column['mesh'][row])}"
-                    ax.annotate(label, (x[i], y[i]), xytext=(4, 3), textcoords="offset points",
-                                fontsize=6.5, color=look(elements)["color"])  # fmt: skip
+    """Plot the element types in two rows; a line joins the meshes of each type, and the finer mesh is
+    the one that takes more time. IGA2 is repeated in the lower row, thin, for comparison.
+    """
+    figure, axes = plt.subplots(2, 3, figsize=(_style.PAGE, 5.6), sharex=True, sharey="col")
+    for row, types in zip(axes, ROWS):
+        for ax, name in zip(row, QUANTITIES):
+            for elements in types if "IGA2" in types else (*types, "IGA2"):
+                x, y = points(results, elements, name)
+                if len(x) == 0:
+                    continue
+                look = _style.element(elements)
+                if elements not in types:
+                    look |= {"linestyle": ":", "marker": ""}
+                label = elements if elements in types else f"{elements}, as above"
+                ax.loglog(x, y, label=label, **{"linewidth": 0.9} | look)
+            plain_ticks(ax)
+        row[0].set_ylabel("error [%]")
+        row[2].legend(loc="upper left", bbox_to_anchor=(1, 1))
+    for ax, title in zip(axes[0], QUANTITIES.values()):
         ax.set_title(title, loc="left")
+    for ax in axes[1]:
         ax.set_xlabel("CPU seconds")
-        plain_ticks(ax)
-    axes[0].set_ylabel("error [%]")
-    handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=5)
     return figure
+
+
+def points(results, elements, name):
+    """CPU seconds and errors [%] of an element type, from the coarser to the finer mesh."""
+    rows = results.rows("elements", elements)
+    rows = rows[np.argsort(results.number("mesh", rows))]
+    return results.number("cpu_s", rows), PERCENT * results.number(f"e_{name}", rows)
 
 
 def figure_settings(results, plt):
@@ -99,11 +97,13 @@ def figure_settings(results, plt):
     figure, axes = plt.subplots(4, 3, **shape)
     series = [(e, m) for e in ("Q1E9+Q1N2.1", "IGA2") for m in (1, 2)]
     for column, (group, (title, prefix, usual)) in zip(axes.T, SETTINGS.items()):
-        for i, (elements, mesh) in enumerate(series):
+        for elements, mesh in series:
             rows = results.rows(group, elements, mesh)
             names = results.column["name"][rows]
             x = np.array([float(str(n).removeprefix(prefix).removesuffix(" deg")) for n in names])
-            line = {"label": f"{elements}, mesh {mesh}", **_style.series(i)}
+            line = {"label": f"{elements}, mesh {mesh}", **_style.element(elements)}
+            line |= {"linestyle": "--" if mesh == 1 else "-"}
+            line |= {"markerfacecolor": "white" if mesh == 1 else line["color"]}
             for ax, name in zip(column, QUANTITIES):
                 y = PERCENT * results.number(f"d_{name}", rows)
                 ax.loglog(x[y > 0.0], y[y > 0.0], **line)
