@@ -414,11 +414,12 @@ contains
     end do
   end subroutine add_element
 
-  !> Add a batch of elements; the last batch of a block may not be full.
+  !> Add a batch of elements, whose matrices are symmetric; the last batch of a block may not be
+  !! full.
   pure subroutine add_batch(a, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :, :)      !! (nen, nen, n) positions, n <= NB elements in use
-    real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), see element_batch_i
+    real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), upper blocks: element_batch_i
 
     call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
   end subroutine add_batch
@@ -432,15 +433,23 @@ contains
     real(wp), intent(inout) :: val(3, 3, nblock)
     integer :: b1, b2, e, j, p
 
-    do e = 1, n
-      do b2 = 1, nen
-        do b1 = 1, nen
+    do b2 = 1, nen
+      do b1 = 1, b2
+        do e = 1, n
           p = map(b1, b2, e)
-          if (p == 0) cycle
+          if (p > 0) then
+            do j = 1, 3
+              val(1, j, p) = val(1, j, p) + k(e, 1, j, b1, b2)
+              val(2, j, p) = val(2, j, p) + k(e, 2, j, b1, b2)
+              val(3, j, p) = val(3, j, p) + k(e, 3, j, b1, b2)
+            end do
+          end if
+          p = map(b2, b1, e)
+          if (b1 == b2 .or. p == 0) cycle
           do j = 1, 3
-            val(1, j, p) = val(1, j, p) + k(e, 1, j, b1, b2)
-            val(2, j, p) = val(2, j, p) + k(e, 2, j, b1, b2)
-            val(3, j, p) = val(3, j, p) + k(e, 3, j, b1, b2)
+            val(1, j, p) = val(1, j, p) + k(e, j, 1, b1, b2)
+            val(2, j, p) = val(2, j, p) + k(e, j, 2, b1, b2)
+            val(3, j, p) = val(3, j, p) + k(e, j, 3, b1, b2)
           end do
         end do
       end do

@@ -154,7 +154,8 @@ module element_type
       real(wp), intent(in) :: h_old(:, :)    !! (nhist, NB)
       real(wp), intent(out) :: h_new(:, :)
       real(wp), intent(out) :: r(:, :, :)    !! (NB, 3, nen)
-      !> (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) is in (:, i, j, a, b).
+      !> (NB, 3, 3, nen, nen): dr(i,a)/du(j,b) is in (:, i, j, a, b), which is set for a <= b; the
+      !! other blocks are their transposes.
       real(wp), intent(out) :: k(:, :, :, :, :)
       type(form_report_t), intent(out) :: report(NB)
     end subroutine element_batch_i

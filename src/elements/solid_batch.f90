@@ -9,7 +9,7 @@ module solid_batch
   use basis_type, only: basis_t
   use element_type, only: form_report_t, NB
   use material_type, only: material_t
-  use solid_batch_algebra, only: set_map, invert, scale_group, set_column, set_force, mirror, &
+  use solid_batch_algebra, only: set_map, invert, scale_group, set_column, set_force, symmetrise, &
                                  clear_failed, NEN, NM, NC
   use solid_batch_condense, only: advance_batch, condense_batch
   implicit none
@@ -65,7 +65,6 @@ contains
     real(wp) :: w(NB, NC), tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
     real(wp) :: centre(NB, 3, 3), jac0(NB)
     integer :: q, q0, n
-    logical :: last ! no later group changes k
 
     ok = .true.
     if (basis%nmode > 0) then
@@ -86,20 +85,18 @@ contains
         lam(:, n + 1:) = 0.0_wp
         mus(:, n + 1:) = 0.0_wp
       end if
-      last = basis%nmode == 0 .and. q0 + NC >= basis%nq
       call scale_group(material%finite, w, tau, lam, mus, y)
       if (q0 == 0) then
-        call set_sums(basis%nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+        call set_sums(basis%nmode, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
       else
-        call add_sums(basis%nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+        call add_sums(basis%nmode, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
       end if
     end do
   end subroutine integrate
 
   !> Set the sums to the contributions of the first group.
-  pure subroutine set_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+  pure subroutine set_sums(nmode, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
-    logical, intent(in) :: last
     real(wp), intent(in) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
     real(wp), intent(in) :: tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
@@ -110,7 +107,7 @@ contains
     call set_force(NEN, g, tau, r)
     do b = 1, NEN
       call set_column(b, g, g(:, :, :, b), y, lam, mus, k(:, :, :, :, b))
-      if (last) call mirror(b, k)
+      call symmetrise(k(:, :, :, b, b))
     end do
     if (nmode == 0) return
     call set_force(NM, gm, tau, ra)
@@ -121,9 +118,8 @@ contains
   end subroutine set_sums
 
   !> Add the contributions of a further group, for rules with more than NC points.
-  pure subroutine add_sums(nmode, last, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
+  pure subroutine add_sums(nmode, g, gm, tau, lam, mus, y, r, k, ra, kua, kaa)
     integer, intent(in) :: nmode
-    logical, intent(in) :: last
     real(wp), intent(in) :: g(NB, 3, NC, NEN), gm(NB, 3, NC, NM)
     real(wp), intent(in) :: tau(NB, 6, NC), lam(NB, NC), mus(NB, NC), y(NB, 6, NC)
     real(wp), intent(inout) :: r(NB, 3, NEN), k(NB, 3, 3, NEN, NEN)
@@ -137,7 +133,7 @@ contains
     do b = 1, NEN
       call set_column(b, g, g(:, :, :, b), y, lam, mus, column)
       k(:, :, :, :b, b) = k(:, :, :, :b, b) + column(:, :, :, :b)
-      if (last) call mirror(b, k)
+      call symmetrise(k(:, :, :, b, b))
     end do
     if (nmode == 0) return
     call set_force(NM, gm, tau, f)

@@ -4,7 +4,7 @@ module solid_batch_algebra
   use element_type, only: NB
   implicit none
   private
-  public :: set_map, invert, scale_group, set_column, set_force, mirror, clear_failed
+  public :: set_map, invert, scale_group, set_column, set_force, symmetrise, clear_failed
 
   integer, parameter, public :: NEN = 8 !! nodes
   integer, parameter, public :: NM = 3  !! enhanced modes, if any
@@ -227,34 +227,19 @@ contains
     end do
   end subroutine invert
 
-  !> Copy column b to row b while it is still in the cache: K_ba is the transpose of K_ab.
-  pure subroutine mirror(b, k)
-    integer, intent(in) :: b
-    real(wp), intent(inout) :: k(NB, 3, 3, NEN, NEN)
+  !> Make a diagonal block symmetric to the last bit.
+  pure subroutine symmetrise(k)
+    real(wp), intent(inout) :: k(NB, 3, 3)
 
-    integer :: a, l
+    integer :: l
 
-    do a = 1, b - 1
-      !$omp simd
-      do l = 1, NB
-        k(l, 1, 1, b, a) = k(l, 1, 1, a, b)
-        k(l, 2, 1, b, a) = k(l, 1, 2, a, b)
-        k(l, 3, 1, b, a) = k(l, 1, 3, a, b)
-        k(l, 1, 2, b, a) = k(l, 2, 1, a, b)
-        k(l, 2, 2, b, a) = k(l, 2, 2, a, b)
-        k(l, 3, 2, b, a) = k(l, 2, 3, a, b)
-        k(l, 1, 3, b, a) = k(l, 3, 1, a, b)
-        k(l, 2, 3, b, a) = k(l, 3, 2, a, b)
-        k(l, 3, 3, b, a) = k(l, 3, 3, a, b)
-      end do
-    end do
     !$omp simd
-    do l = 1, NB ! makes the block symmetric to the last bit
-      k(l, 2, 1, b, b) = k(l, 1, 2, b, b)
-      k(l, 3, 1, b, b) = k(l, 1, 3, b, b)
-      k(l, 3, 2, b, b) = k(l, 2, 3, b, b)
+    do l = 1, NB
+      k(l, 2, 1) = k(l, 1, 2)
+      k(l, 3, 1) = k(l, 1, 3)
+      k(l, 3, 2) = k(l, 2, 3)
     end do
-  end subroutine mirror
+  end subroutine symmetrise
 
   !> Set residual and tangent to zero for elements that are not ok.
   pure subroutine clear_failed(ok, r, k)

@@ -2,7 +2,7 @@
 module solid_batch_condense
   use base_kinds, only: wp
   use element_type, only: form_report_t, NB
-  use solid_batch_algebra, only: mirror, NEN, NM
+  use solid_batch_algebra, only: symmetrise, NEN, NM
   implicit none
   private
   public :: advance_batch, condense_batch
@@ -30,7 +30,7 @@ contains
     end do
   end subroutine advance_batch
 
-  !> Eliminate the enhanced parameters as `condense` does, but from the upper blocks of k and kaa
+  !> Eliminate the enhanced parameters as `condense` does, but in the upper blocks of k and kaa
   !! only.
   pure subroutine condense_batch(a, ra, kua, kaa, r, k, h_new, report)
     real(wp), intent(in) :: a(NB, NP), ra(NB, NP)
@@ -194,7 +194,7 @@ contains
     end do
   end subroutine subtract_forces
 
-  !> Compute the upper blocks of K - K_ua L and mirror them. All nine sums of a block are formed in
+  !> Compute the upper blocks of K - K_ua L. All nine sums of a block are formed in
   !! one loop body, so that they stay in registers.
   pure subroutine subtract_blocks(y, x, k)
     real(wp), intent(in) :: y(NB, NP, 3, NEN + 1) !! K_au
@@ -227,7 +227,7 @@ contains
           k(l, 3, 1, a, b) = k31; k(l, 3, 2, a, b) = k32; k(l, 3, 3, a, b) = k33
         end do
       end do
-      call mirror(b, k)
+      call symmetrise(k(:, :, :, b, b))
     end do
   end subroutine subtract_blocks
 
