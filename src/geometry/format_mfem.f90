@@ -45,9 +45,9 @@ module format_mfem
     type(spline_t), allocatable :: dir(:) !! knot vectors
     real(wp), allocatable :: w(:), x(:, :) !! (n), (3, n)
     integer, allocatable :: face(:, :)    !! (4, nface) vertices, as in its first element
-    integer, allocatable :: first_edge(:) !! (>= nedge) number of points before those of each edge
-    integer, allocatable :: first_face(:) !! (>= nface) the same for each face
-    integer, allocatable :: first_elem(:) !! (nelem+1) and each element; last: number of all points
+    !> (>= nedge), (>= nface), (nelem+1) Number of points before those of an edge, face or element;
+    !! the last entry of first_elem is the number of all points.
+    integer, allocatable :: first_edge(:), first_face(:), first_elem(:)
   end type mfem_t
 
 contains

@@ -98,8 +98,8 @@ contains
              //'which supports or MOVE prescribe the motion, first at node ' &
              //to_text(findloc(any(acts .and. held, 1), .true., 1))
       if (n == count(acts) .or. any_given(draft, held)) then
-        call warn(text, hint='such forces only change reactions: compare FORC, EFOR and CFOR ' &
-                  //'with BOUN, EBOU, CBOU, FIX and MOVE')
+        call warn(text, hint='such forces only change reactions: compare FORC, EFOR, CFOR and ' &
+                  //'CSUR with BOUN, EBOU, CBOU, FIX and MOVE')
       else ! a loaded plane often ends at a support
         call log_line('note: '//text)
       end if
