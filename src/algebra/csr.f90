@@ -419,7 +419,7 @@ contains
   pure subroutine add_batch(a, map, k)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :, :)      !! (nen, nen, n) positions, n <= NB elements in use
-    real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), upper blocks: element_batch_i
+    real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), see element_batch_i
 
     call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
   end subroutine add_batch
