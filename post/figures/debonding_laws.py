@@ -124,9 +124,11 @@ def meshes(folder, plt):
         for ax, y in zip(axes, ("mean", "scatter"), strict=True):
             values = [abs(float(r[y]) - (y == "mean")) for r in chosen if r["mean"]]
             ax.loglog(x, np.maximum(values, 1e-5), mark, markersize=4, color=color, label=label)
-    axes[0].set_title("a) mean force: deviation from theory", loc="left")
-    axes[1].set_title("b) scatter of the force over its mean", loc="left")
+    axes[0].set_title("a) mean force: relative deviation from theory", loc="left")
+    axes[1].set_title("b) scatter of the force, relative to theory", loc="left")
     for ax in axes:
+        ax.set_xticks((0.5, 1, 2, 5, 10), ("0.5", "1", "2", "5", "10"))
+        ax.minorticks_off()
         ax.set_xlabel("length of the zone / element")
     axes[1].legend(loc="lower left")
     return drawing

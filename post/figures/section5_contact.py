@@ -303,7 +303,7 @@ def bodies(fields, to):
         )
         return []
     field.draw([str(found[m, MESHED]) for m in "123"], str(to / "section5_figure17.png"), scalar="body", warp=0.0,
-               labels=[f"mesh {m}" for m in "123"], say_step=False, view="-65,12")  # fmt: skip
+               labels=[f"mesh {m}" for m in "123"], say_step=False, outline=False, view="-65,12")  # fmt: skip
     labels = [f"{'abcdef'[i]}) {e}, mesh {m}" for i, (m, e) in enumerate(TRACTIONS)]
     contact_map.draw([str(found[case]) for case in TRACTIONS], str(to / "section5_figure21.png"),
                      labels=labels, say_step=False, words="$t_x / E_0$ after 180 degrees")  # fmt: skip
