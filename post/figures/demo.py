@@ -40,7 +40,7 @@ def draw_cubes(bezel, out):
     errors = [read_table(f).columns["force_3"][-1] / CONVERGED - 1 for f in forces]
     labels = [f"{name}\nforce {100 * e:.2f} % too high" for name, e in zip(RUNS.values(), errors)]
     field.draw([out / f"{s}.vtkhdf" for s in RUNS], out / "cube.png", scalar="mises", labels=labels,
-               mirror="xy", say_step=False, view="-52,16")  # fmt: skip
+               mirror="xy", say_step=False, view="-52,16", words="von Mises stress / $E$")  # fmt: skip
     labels = list(RUNS.values())
     curve.draw(forces, out / "force.png", x="disp", labels=labels, title="Stretching a cube")
 
@@ -51,8 +51,8 @@ def draw_twist(bezel, out):
     """
     run(bezel, out, TOP / "input" / f"{TWIST}.inp")
     files = [out / f"{TWIST}.vtkhdf"] * len(STEPS)
-    contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()),
-                     say_step=False)  # fmt: skip
+    contact_map.draw(files, out / "twist.png", step=list(STEPS), labels=list(STEPS.values()), say_step=False,
+                     words="contact shear $t_x$ / $E$ of the block")  # fmt: skip
     table = read_table(out / f"{TWIST}_sole.dat").columns
     turning = table["factor_1"] >= 1.0
     with _style.styled() as plt:

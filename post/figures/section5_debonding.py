@@ -179,7 +179,7 @@ def energies(results, mesh, name, plt):
         label="work of the lifted edge",
     )
     ax.set_xlabel("bond released, %")
-    ax.set_ylabel("energy $/ E_0 L_0^3$")
+    ax.set_ylabel("energy / $E_0 L_0^3$")
     ax.set_title(f"{LABELS[name]}, mesh {mesh}", loc="left")
     ax.legend(loc="upper left")
     return figure
