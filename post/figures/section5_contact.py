@@ -23,7 +23,8 @@ import sys
 
 import numpy as np
 
-from post import _style, contact_map, field
+from post import _grid, _style, contact_map, field
+from post._contact_faces import surfaces
 from post._error import Unreadable
 from post._table import read_table
 
@@ -307,7 +308,37 @@ def bodies(fields, to):
     labels = [f"{'abcdef'[i]}) {e}, mesh {m}" for i, (m, e) in enumerate(TRACTIONS)]
     contact_map.draw([str(found[case]) for case in TRACTIONS], str(to / "section5_figure21.png"),
                      labels=labels, say_step=False, words="$t_x / E_0$ after 180 degrees")  # fmt: skip
+    distances(found)
     return ["section5_figure17", "section5_figure21"]
+
+
+def distances(found):
+    """Print how far the deformed face of the block is from those of other runs: the root mean square
+    over the points that all meshes have in common, in units of L0.
+    """
+    faces = {case: face(found[case], 2) for case in TRACTIONS}
+    for case, mine in faces.items():
+        row = []
+        for theirs in faces.values():
+            both = sorted(set(mine) & set(theirs))
+            off = np.array([mine[i] - theirs[i] for i in both])
+            row.append(f"{np.sqrt((off**2).sum(axis=1).mean()):.3f}")
+        print(f"face of the block, {case[1]}, mesh {case[0]}: {' '.join(row)} from a) to f)")
+
+
+def face(path, body):
+    """Displacements of a contact surface at the corners and in the middle of the faces and their
+    edges: {undeformed position in eighths of L0: displacement (3)}.
+    """
+    grid = _grid.load(str(path), "last")[0]
+    nothing = np.zeros(grid.n_points)
+    shape = []
+    for displacement in (0.0, np.asarray(grid.point_data["displacement"])):
+        grid.points = np.asarray(grid.points, dtype=float) + displacement
+        (side,) = (s for s in surfaces(grid, path, nothing, 3) if s.body == body)
+        shape.append(side.x.reshape(-1, 3))
+    keys = np.rint(8 * shape[0]).astype(int)
+    return {tuple(key): u for key, u in zip(keys.tolist(), shape[1] - shape[0])}
 
 
 def draw(results=RESULTS, to=FIGURES):

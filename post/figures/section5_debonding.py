@@ -15,7 +15,7 @@ import sys
 
 import numpy as np
 
-from post import _style, field
+from post import _grid, _style, field
 from post._error import Unreadable
 from post._table import read_table
 
@@ -35,6 +35,7 @@ FINER = "iga2"
 CLOSE = (-9, 1, -9, 1, -0.5, 2.5)  # part of the plate below the peeling front
 CLOSE_VIEW = "-75,40"
 LIFT = 15.5  # up to which curves are compared with each other
+ANGLE = 43  # between the strip and the x axis, in degrees
 OFF = 0.999  # released fraction of the bond at which the curves end: the strip has come off
 
 
@@ -144,6 +145,7 @@ def strips(fields, to):
     if not all(pathlib.Path(f).exists() for f in files.values()):
         print(f"no result files in {fields}: Figures 13 and 14 are not drawn")
         return
+    measures(files)
     look = {
         "scalar": "stress",
         "component": "trace",
@@ -156,6 +158,43 @@ def strips(fields, to):
                labels=["undeformed", "lift 7.75", "lift 15.5"], view="-60,25", **look)  # fmt: skip
     field.draw(list(files.values()), str(to / "section5_figure14.png"), step=("time", 6.4 / 15.5), bodies=[2],
                labels=["Q1E9", "Q1E9+Q1N2"], view=CLOSE_VIEW, frame=CLOSE, **look)  # fmt: skip
+
+
+def measures(files):
+    """Print the numbers of the page that belong to Figures 13 and 14: the twist of the strip, and the
+    largest first invariant of the stress in the plate near the peeling front.
+    """
+    for time in (0.5, 1.0):
+        angle = twist(files["q1e9_q1n2"], ("time", time))
+        print(f"lift {LIFT * time:g}: the strip is twisted by {angle:.1f} degrees")
+    for name, path in files.items():
+        scene = field._scene(
+            path, "stress", "trace", ("time", 6.4 / LIFT), 1.0, False, False, None, [2]
+        )
+        x, value = scene.surface.points, scene.surface["shown"]
+        front = (x[:, 0] > CLOSE[0] + 2) & (x[:, 0] < CLOSE[1])  # away from the clamped face
+        print(f"lift 6.4, {LABELS[name]}: largest I1 of the plate {value[front].max():.3f} E0")
+
+
+def twist(path, step):
+    """The largest inclination [degrees] of the lines across the strip on its upper face. The lifted
+    edge is one of these lines, and remains horizontal.
+    """
+    grid = _grid.load(path, step)[0]
+    grid = grid.extract_cells(grid.cell_data["body"] == 1)
+    x = np.asarray(grid.points, dtype=float)
+    moved = x + grid.point_data["displacement"]
+    axis = np.radians(ANGLE)
+    along = x[:, 0] * np.cos(axis) + x[:, 1] * np.sin(axis)
+    across = x[:, 1] * np.cos(axis) - x[:, 0] * np.sin(axis)
+    top = np.isclose(x[:, 2], x[:, 2].max(), atol=1e-6)
+    sides = []
+    for edge in (across.min(), across.max()):
+        rim = np.flatnonzero(top & np.isclose(across, edge, atol=1e-4))
+        _, first = np.unique(np.round(along[rim], 4), return_index=True)
+        sides.append(moved[rim[first]])
+    line = sides[1] - sides[0]
+    return np.degrees(np.abs(np.arcsin(line[:, 2] / np.linalg.norm(line, axis=1))).max())
 
 
 def energies(results, mesh, name, plt):

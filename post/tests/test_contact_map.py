@@ -110,6 +110,32 @@ class ContactMap(Scratch):
         for surface in self.found():
             np.testing.assert_allclose(surface.value, surface.x[..., 0], atol=1e-13)
 
+    def test_the_displacement_of_a_face_is_found_at_its_material_points(self):
+        from post.figures import section5_contact
+
+        block = section5_contact.face(self.run_file, 2)  # the brick, whose upper face is in contact
+        self.assertEqual(sorted(block)[:3], [(0, 0, 8), (0, 4, 8), (0, 8, 8)])
+        self.assertEqual(len(block), 9)
+        np.testing.assert_allclose(list(block.values()), [[0.0, 0.0, 0.25]] * 9, atol=1e-14)
+
+    def test_the_twist_of_a_strip_is_the_inclination_of_lines_across_it(self):
+        import pyvista
+
+        from post.figures import section5_debonding
+
+        grid = pyvista.ImageData(dimensions=(3, 2, 2)).cast_to_unstructured_grid()
+        grid = grid.rotate_z(section5_debonding.ANGLE)
+        along, across = (np.radians(section5_debonding.ANGLE + a) for a in (0, 90))
+        points = np.asarray(grid.points, dtype=float)
+        x, y = (points[:, 0] * np.cos(a) + points[:, 1] * np.sin(a) for a in (along, across))
+        lift = np.zeros_like(points)
+        lift[:, 2] = np.where(y > 0.5, np.tan(np.radians(3.0)) * x, 0.0)  # 0, 3 degrees and more
+        grid.point_data["displacement"] = lift
+        grid.cell_data["body"] = np.ones(2)
+        grid.save(self.run_file)
+        found = section5_debonding.twist(self.run_file, "last")
+        self.assertAlmostEqual(found, np.degrees(np.arctan(2 * np.tan(np.radians(3.0)))), 4)
+
     def test_a_triangle_is_drawn_once_and_not_beyond_its_edges(self):
         from post import contact_map
 
