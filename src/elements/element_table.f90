@@ -1,6 +1,7 @@
 !> The only list of elements: a new element needs a new file and a line here.
 module element_table
   use element_type, only: element_t
+  use solid_simd, only: choose_forms
   implicit none
   private
   public :: load_elements, find_element
@@ -24,6 +25,7 @@ contains
     block; use elmt_pyramid5, only: describe; table = [table, describe()]; end block
     block; use elmt_wedge6, only: describe; table = [table, describe()]; end block
     block; use elmt_tet10, only: describe; table = [table, describe()]; end block
+    call choose_forms(table)
   end subroutine load_elements
 
   !> The row that has a given name, or a row with an empty name if there is none.

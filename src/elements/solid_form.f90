@@ -10,16 +10,14 @@
 !! if the tangent of the law is lam 1 x 1 + 2 mus I (x is the tensor product). Otherwise K_ab
 !! consists of B^T c B and (g_a . tau g_b) 1. At small strains, the geometric part is left out: tau
 !! in (tau + mus 1) is zero. For the neo-Hookean law, tau + mus 1 is mu b. The sums over points are
-!! products of panels (functions by points), computed by BLAS. Enhanced modes are treated like
-!! additional functions.
+!! in solid_panel. Enhanced modes are treated like additional functions.
 module solid_form
   use base_kinds, only: wp
   use basis_type, only: basis_t
   use element_type, only: form_report_t
-  use lapack, only: dgemm
   use material_type, only: material_t
   use solid_condense, only: condense
-  use solid_panel, only: add_moduli, add_general, add_symmetric, fold, CHUNK
+  use solid_panel, only: add_residual, add_moduli, add_general, mirror, groups, NV, CHUNK
   use solid_point, only: deform, centre_map, invert_map
   implicit none
   private
@@ -96,64 +94,85 @@ contains
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: xr(3, basis%nen), u(3, basis%nen), a(3, basis%nmode)
-    real(wp), intent(out) :: r(:, :) !! (3, nen+nmode)
-    real(wp), intent(out) :: k(:, :) !! (3*(nen+nmode), 3*(nen+nmode))
+    real(wp), intent(out) :: r(3, basis%nen + basis%nmode)
+    real(wp), intent(out) :: k(3*(basis%nen + basis%nmode), 3*(basis%nen + basis%nmode))
     logical, intent(out) :: ok
 
-    real(wp) :: g(basis%nen + basis%nmode, 3, CHUNK)          ! gradients
-    real(wp) :: p(size(g, 1), 3, size(g, 1), 3), s(size(g, 1), size(g, 1)), f(size(g, 1), 3)
-    real(wp) :: centre(3, 3), jac0, w(CHUNK), tau(6, CHUNK), lam(CHUNK), mus(CHUNK), c(6, 6, CHUNK)
-    real(wp) :: xu(6, basis%nen)
+    real(wp) :: g(NV, 3, CHUNK, groups(basis%nen + basis%nmode)) ! gradients
+    real(wp) :: w(CHUNK), tau(6, CHUNK), lam(CHUNK), mus(CHUNK), c(6, 6, CHUNK)
+    real(wp) :: centre(3, 3), jac0, xu(6, basis%nen)
     integer :: q, n, nall
 
-    nall = size(g, 1)
+    nall = basis%nen + basis%nmode
     xu(:3, :) = xr
     xu(4:, :) = u
     centre = 0.0_wp
     jac0 = 0.0_wp
     ok = .true.
     if (basis%nmode > 0) call centre_map(basis%nen, basis%dshp0, xr, centre, jac0, ok)
+    g(:, :, :, size(g, 4)) = 0.0_wp
     n = 0
     do q = 1, basis%nq
       if (.not. ok) exit
       n = n + 1
       call evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
-                          g(:, :, n), w(n), tau(:, n), lam(n), mus(n), c(:, :, n), ok)
+                          n, g, w(n), tau(:, n), lam(n), mus(n), c(:, :, n), ok)
       if (n < CHUNK .and. q < basis%nq .or. .not. ok) cycle
-      call add_residual(q <= CHUNK, nall, n, g, w, tau, f)
-      if (.not. material%finite) tau(:, :n) = 0.0_wp ! no geometric part
-      if (associated(material%moduli)) then
-        call add_moduli(q <= CHUNK, nall, n, g, w, lam, mus, p)
-      else
-        mus(:n) = 0.0_wp
-        call add_general(q <= CHUNK, nall, n, g, w, c, p)
-      end if
-      call add_symmetric(q <= CHUNK, nall, n, g, w, tau, mus, s)
+      call add_points(material, q <= CHUNK, nall, n, g, w, tau, lam, mus, c, r, k)
       n = 0
     end do
-    if (ok) then
-      r = transpose(f)
-      call fold(nall, associated(material%moduli), p, s, k)
-    else
+    if (.not. ok) then
       r = 0.0_wp
       k = 0.0_wp
+    else if (associated(material%moduli)) then
+      call mirror(3*nall, k)
     end if
   end subroutine integrate
 
+  !> Add the contributions of n points to r and k; of k, only the upper triangle if the law has
+  !! `moduli`.
+  pure subroutine add_points(material, first, nall, n, g, w, tau, lam, mus, c, r, k)
+    type(material_t), intent(in) :: material
+    logical, intent(in) :: first !! set r and k instead of adding to them
+    integer, intent(in) :: nall, n
+    real(wp), intent(in) :: g(NV, 3, CHUNK, groups(nall)), w(CHUNK), c(6, 6, CHUNK)
+    real(wp), intent(inout) :: tau(6, CHUNK), lam(CHUNK), mus(CHUNK) !! are multiplied by w
+    real(wp), intent(inout) :: r(3, nall), k(3*nall, 3*nall)
+
+    integer :: q
+
+    do q = 1, n
+      tau(:, q) = w(q)*tau(:, q)
+    end do
+    call add_residual(first, nall, n, g, tau, r)
+    if (.not. material%finite) tau(:, :n) = 0.0_wp ! no geometric part
+    if (associated(material%moduli)) then
+      do q = 1, n
+        lam(q) = w(q)*lam(q)
+        mus(q) = w(q)*mus(q)
+        tau(:3, q) = tau(:3, q) + mus(q)
+      end do
+      call add_moduli(first, nall, n, g, tau, lam, mus, k)
+    else
+      call add_general(first, nall, n, g, w, tau, c, k)
+    end if
+  end subroutine add_points
+
   !> Compute gradients, volume, stress and tangent at one point.
   pure subroutine evaluate_point(basis, material, prop, q, xu, a, centre, jac0, &
-                                 g, w, tau, lam, mus, c, ok)
+                                 n, g, w, tau, lam, mus, c, ok)
     type(basis_t), intent(in) :: basis
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
-    integer, intent(in) :: q
+    integer, intent(in) :: q !! index of the point in the rule
     real(wp), intent(in) :: xu(6, basis%nen), a(3, basis%nmode), centre(3, 3), jac0
-    real(wp), intent(out) :: g(basis%nen + basis%nmode, 3)
+    integer, intent(in) :: n !! index of the point in the panel
+    real(wp), intent(inout) :: g(NV, 3, CHUNK, *)
     real(wp), intent(out) :: w, tau(6), lam, mus, c(6, 6)
     logical, intent(out) :: ok
 
     real(wp) :: dg(3, 3), t(3, 3), back(3, 3), jac, det, m(3, basis%nmode)
-    integer :: j
+    integer :: b, i, j, l
 
     call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
                 centre, jac0, dg, t, jac, m, ok)
@@ -171,29 +190,19 @@ contains
       t = matmul(t, back)
       m = matmul(transpose(back), m)
     end if
-    do j = 1, 3
-      g(:basis%nen, j) = t(1, j)*basis%dshp(1, :, q) + t(2, j)*basis%dshp(2, :, q) &
-                         + t(3, j)*basis%dshp(3, :, q)
-      g(basis%nen + 1:, j) = m(j, :)
+    do b = 1, groups(basis%nen)
+      do j = 1, 3
+        do l = 1, min(NV, basis%nen - NV*(b - 1))
+          i = NV*(b - 1) + l
+          g(l, j, n, b) = t(1, j)*basis%dshp(1, i, q) + t(2, j)*basis%dshp(2, i, q) &
+                          + t(3, j)*basis%dshp(3, i, q)
+        end do
+      end do
+    end do
+    do i = 1, basis%nmode
+      l = basis%nen + i - 1
+      g(mod(l, NV) + 1, :, n, l/NV + 1) = m(:, i)
     end do
   end subroutine evaluate_point
-
-  !> Add r_a = sum_q w tau g_a.
-  pure subroutine add_residual(first, n, nq, g, w, tau, r)
-    logical, intent(in) :: first !! set the sums instead of adding to them
-    integer, intent(in) :: n, nq
-    real(wp), intent(in) :: g(n, 3, nq), w(nq), tau(6, nq)
-    real(wp), intent(inout) :: r(n, 3)
-
-    real(wp) :: t(3, nq, 3) ! w tau, one column of tau after the other
-    integer :: q
-
-    do q = 1, nq
-      t(:, q, 1) = w(q)*tau([1, 4, 6], q)
-      t(:, q, 2) = w(q)*tau([4, 2, 5], q)
-      t(:, q, 3) = w(q)*tau([6, 5, 3], q)
-    end do
-    call dgemm('N', 'N', n, 3, 3*nq, 1.0_wp, g, n, t, 3*nq, merge(0.0_wp, 1.0_wp, first), r, n)
-  end subroutine add_residual
 
 end module solid_form

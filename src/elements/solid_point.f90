@@ -1,7 +1,6 @@
 !> Kinematics at a point of a solid: the map, the deformation gradient and the enhancement.
 module solid_point
   use base_kinds, only: wp
-  use lapack, only: dgemm
   use tensor, only: inv3
   implicit none
   private
@@ -29,9 +28,17 @@ contains
     logical, intent(out) :: ok             !! .false.: the reference map is inverted here
 
     real(wp) :: map(6, 3)
-    integer :: n, j
+    integer :: i, j, n
 
-    call dgemm('N', 'T', 6, 3, nen, 1.0_wp, xu, 6, dshp, 3, 0.0_wp, map, 6)
+    map = 0.0_wp
+    do n = 1, nen
+      do j = 1, 3
+        !$omp simd
+        do i = 1, 6
+          map(i, j) = map(i, j) + xu(i, n)*dshp(j, n)
+        end do
+      end do
+    end do
     dg = 0.0_wp
     m = 0.0_wp
     call invert_map(map(:3, :), inverse, jac, ok)
