@@ -140,6 +140,7 @@ contains
 
     call pass_target(control)
     if (.not. control%automatic) return
+    if (control%origin >= control%to) return ! DT has been set again at the end of this step
     taken = control%to - control%from
     control%accepted = control%accepted + 1
     if (iterations > MANY) then
