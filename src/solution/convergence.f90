@@ -9,6 +9,7 @@
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
+  use contact_pair, only: MORTAR
   use csr, only: block_matrix_t, diagonal_block
   use mesh, only: mesh_t
   use model, only: model_t
@@ -175,12 +176,13 @@ contains
   end function find_floor
 
   !> Is a line search used although the deck does not request it? This is the case after PATIENCE
-  !! iterations in a model with contact, where the state of contact probably keeps changing.
+  !! iterations in a model with contact, where the state of contact probably keeps changing. With
+  !! the mortar scheme, `retreat` of line_search makes the same test after each increment.
   pure logical function needs_line_search(newton, model)
     type(newton_t), intent(in) :: newton
     type(model_t), intent(in) :: model
 
-    needs_line_search = size(model%contact) > 0 &
+    needs_line_search = .not. all(model%contact%scheme == MORTAR) &
                         .and. newton%iterations - newton%before - newton%secant%count > PATIENCE
   end function needs_line_search
 

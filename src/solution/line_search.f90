@@ -60,6 +60,10 @@ contains
   !! example, an increment overshoots if a surface penetrates the other one in a single increment
   !! and the whole penalty pushes it back; a line search then finds the fraction of the increment to
   !! keep. In all other cases there is nothing to compute.
+  !!
+  !! With the mortar scheme, the cells may have been cut at the end of the increment, and the forces
+  !! at its start depend on the cells. The slope at the start is therefore found again with these
+  !! cells before an increment is shortened.
   subroutine retreat(asm, model, state, dx, rhs, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -87,8 +91,16 @@ contains
     if (.not. overshoots(model, g0, g, norm2(r) > norm2(rhs))) return
     s = state%scale
     du = (state%u - state%u_base)/s
-    call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
-    if (allocated(error)) return
+    if (any(model%contact%scheme == MORTAR)) then
+      call slope(asm, model, state, dx, du, 0.0_wp, g0, sweep, error)
+      if (allocated(error)) return
+    end if
+    if (sweep%ok .and. overshoots(model, g0, g, .true.)) then
+      call close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
+      if (allocated(error)) return
+    else
+      call step_by(state, du, s)
+    end if
     call form(asm, model, state, sweep, error) ! the next solve uses this tangent
   end subroutine retreat
 
