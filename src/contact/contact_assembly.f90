@@ -27,7 +27,8 @@ module contact_assembly
   implicit none
   private
   public :: contact_work_t, new_contact_work, begin_contact, set_secant, find_contact, &
-            contact_cliques, map_contact, add_contact, accept_contact, friction_acts
+            contact_cliques, map_contact, add_contact, accept_contact, friction_acts, &
+            overlap_found, overlap_accepted
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of each contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the time step
@@ -159,6 +160,40 @@ contains
       end associate
     end do
   end subroutine find_contact
+
+  !> Largest penetration of the mortar contacts at the positions of find_contact, relative to the
+  !! size of the smallest facet.
+  pure real(wp) function overlap_found(work) result(overlap)
+    type(contact_work_t), intent(in) :: work(:)
+    integer :: c, i, k
+
+    overlap = 0.0_wp
+    do c = 1, size(work)
+      if (.not. work(c)%mortar%least > 0.0_wp) cycle
+      do k = 1, 2
+        associate (side => work(c)%mortar%side(k))
+          if (.not. allocated(side%p)) cycle
+          do i = 1, side%cells%n
+            if (.not. side%p(i) > 0.0_wp) cycle
+            overlap = max(overlap, -side%cells%foot(i)%gap/work(c)%mortar%least)
+          end do
+        end associate
+      end do
+    end do
+  end function overlap_found
+
+  !> The same at the end of the previous step.
+  pure real(wp) function overlap_accepted(work, state) result(overlap)
+    type(contact_work_t), intent(in) :: work(:)
+    type(state_t), intent(in) :: state
+    integer :: c
+
+    overlap = 0.0_wp
+    do c = 1, size(work)
+      if (.not. work(c)%mortar%least > 0.0_wp) cycle
+      overlap = max(overlap, maxval(state%contact(c)%penetration)/work(c)%mortar%least)
+    end do
+  end function overlap_accepted
 
   !> Give sliding points to the points that touch the other side and have none. In the first step,
   !! these are all points that touch; later, they are those that were far from the other side when

@@ -7,7 +7,7 @@ module newton
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
-  use contact_assembly, only: begin_contact, set_secant
+  use contact_assembly, only: begin_contact, set_secant, overlap_found, overlap_accepted
   use continuation_type, only: turns_away
   use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
@@ -32,6 +32,9 @@ module newton
             solve_system, close_newton
 
   integer, parameter :: MOST_HALVINGS = 6   !! largest number of halvings of a prescribed increment
+  !> A prescribed or predicted motion is too long if it makes surfaces overlap by more than this
+  !! fraction of a facet, and by more than DEEPER times as much as before.
+  real(wp), parameter :: DEEP = 0.1_wp, DEEPER = 2.0_wp
   !> The energy of the springs of `stabilisation` in an increment is negligible if it is smaller
   !! than this, relative to the total energy of the increment.
   real(wp), parameter :: NO_ENERGY = 1.0e-3_wp
@@ -93,7 +96,7 @@ contains
     if (allocated(error)) return
     if (newton%predicted) call check_prediction(newton, model, state, pass%sweep, error)
     if (allocated(error)) return
-    if (newton%has_moved .and. .not. pass%sweep%ok) then
+    if (newton%has_moved .and. is_too_far(newton, pass%sweep)) then
       call move_less(newton, model, state, pass%sweep, error)
       if (allocated(error)) return
     end if
@@ -110,6 +113,7 @@ contains
       return
     end if
     call accept_iteration(state)
+    newton%overlap = overlap_found(newton%asm%contact)
     pass%floor = find_floor(newton%asm%k, newton%spacing, state%u)
     state%reaction = newton%asm%f_int - newton%asm%f_ext
     call free_part(model%eq, -state%reaction, newton%rhs)
@@ -120,8 +124,19 @@ contains
     end if
   end subroutine form_system
 
-  !> Find the energy of the step from the forces at the predicted displacements. If an element is
-  !! inverted there, return to the displacements at the start of the step.
+  !> Has a prescribed or predicted motion inverted an element, or pushed surfaces too deep into each
+  !! other? Contact would push back such a motion with the whole penalty, often beyond the reach of
+  !! Newton's iteration.
+  pure logical function is_too_far(newton, sweep) result(yes)
+    type(newton_t), intent(in) :: newton
+    type(sweep_t), intent(in) :: sweep
+
+    yes = .not. sweep%ok
+    if (.not. yes) yes = overlap_found(newton%asm%contact) > max(DEEP, DEEPER*newton%overlap)
+  end function is_too_far
+
+  !> Find the energy of the step from the forces at the predicted displacements. If the prediction
+  !! goes too far, return to the displacements at the start of the step.
   subroutine check_prediction(newton, model, state, sweep, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -130,7 +145,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     newton%predicted = .false.
-    if (sweep%ok) then
+    newton%overlap = overlap_accepted(newton%asm%contact, state)
+    if (.not. is_too_far(newton, sweep)) then
       newton%largest_energy = abs(sum((state%u - state%u_step) &
                                       *(newton%asm%f_int - newton%asm%f_ext - state%reaction)))
     else
@@ -141,8 +157,8 @@ contains
     end if
   end subroutine check_prediction
 
-  !> If the increment with the prescribed motion inverts an element, take only a part of it, and
-  !! leave the rest of the motion to the next iterations.
+  !> If the increment with the prescribed motion goes too far, take only a part of it, and leave the
+  !! rest of the motion to the next iterations.
   subroutine move_less(newton, model, state, sweep, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -154,7 +170,7 @@ contains
 
     allocate (du, source=(state%u - state%u_base)/state%scale)
     do i = 1, MOST_HALVINGS
-      if (sweep%ok) exit
+      if (.not. is_too_far(newton, sweep)) exit
       call step_by(state, du, 0.5_wp*state%scale)
       call form(newton%asm, model, state, sweep, error)
       if (allocated(error)) return

@@ -42,6 +42,7 @@ module newton_type
     logical :: moves = .false.         !! the next increment contains `move`
     real(wp), allocatable :: moved(:, :) !! (3, nnode) prescribed part of the last increment [L]
     logical :: has_moved = .false.     !! the last increment contained `moved`
+    real(wp) :: overlap = 0.0_wp       !! penetration before the last increment, see overlap_found
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
     logical :: predicted = .false.     !! displacements are predicted, forces not formed yet
     logical :: may_retreat = .false.   !! the last increment may be shortened
