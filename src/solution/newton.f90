@@ -271,8 +271,8 @@ contains
         call find_unheld(hold, model, state, newton%asm%k)
         loaded = .false.
         if (hold%springs) then
-          call find_flight(hold, model, state, loads_of(newton, state), force_tolerance(pass), du, &
-                           loaded)
+          call find_flight(hold, model, state, loads_of(newton, state), force_tolerance(pass), &
+                           sum_of_loads(newton, model, state), du, loaded)
         end if
         call renew_anchors(newton, model, state, loaded)
         if (loaded) then

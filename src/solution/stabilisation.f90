@@ -43,6 +43,8 @@ module stabilisation
   real(wp), parameter :: PURE = 1.0e-6_wp      !! largest part of a rotation in a translation
   real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest nodal
   !! force, does not count as a load
+  real(wp), parameter :: SLOPE = sqrt(NO_STIFFNESS) !! a smaller force on a body that contact
+  !! touches, relative to all loads, is the push of a surface that is not quite level
   real(wp), parameter :: FIRST = 1.0e-6_wp     !! first move of a body that touches, relative to the
   !! width of an element
   real(wp), parameter :: GROWTH = 4.0_wp       !! length of a move, relative to the previous one
@@ -223,17 +225,20 @@ contains
   end subroutine orthonormalise
 
   !> Does a load act along a translation that nothing resists? If so, `du` is the translation in the
-  !! direction of the load, of length one.
-  subroutine find_flight(hold, model, state, force, floor, du, loaded)
+  !! direction of the load, of length one. A body that contact already holds in some direction is
+  !! pushed sideways if the deformed surface is not quite level; anchors resist this push.
+  subroutine find_flight(hold, model, state, force, floor, loads, du, loaded)
     type(stabilisation_t), intent(in) :: hold
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: force(:, :)  !! (3, nnode) external minus internal force [F]
     real(wp), intent(in) :: floor        !! largest force that counts as zero [F]
+    real(wp), intent(in) :: loads        !! sum of all loads [F]
     real(wp), intent(out) :: du(:, :)    !! (3, nnode)
     logical, intent(out) :: loaded
     real(wp), allocatable :: kernel(:, :), turn(:, :), x(:, :), motions(:, :)
-    real(wp) :: c(6, size(hold%body)), motion(6, size(hold%body)), along, largest
+    real(wp) :: c(6, size(hold%body)), motion(6, size(hold%body)), along, largest, least
+    logical :: touched(size(hold%body))
     integer :: b, i, m
 
     du = 0.0_wp
@@ -250,11 +255,15 @@ contains
                                     model%eq(:, hold%body(b)%node) > 0))
     end do
     motions = reshape(hold%unheld, [6*size(hold%body), m])
+    call find_touched(hold%body, reshape(matmul(motions, kernel), &
+                                         [6, size(hold%body), size(kernel, 2)]), touched)
     do i = 1, size(kernel, 2)
       motion = reshape(matmul(motions, kernel(:, i)), [6, size(hold%body)])
       call rigid_field(hold%body, motion, model%eq, x, du)
       along = sum(force*du)
-      if (abs(along) <= max(UNLOADED*largest, floor)) cycle
+      least = max(UNLOADED*largest, floor)
+      if (all(touched .or. .not. norm2(motion(:3, :), 1) > PURE)) least = max(least, SLOPE*loads)
+      if (abs(along) <= least) cycle
       loaded = .true.
       c = c + along*motion
     end do
@@ -262,6 +271,24 @@ contains
     call rigid_field(hold%body, c, model%eq, x, du)
     du = du/sqrt(maxval(sum(du**2, 1)))
   end subroutine find_flight
+
+  !> Does contact resist some translation of each body? It does unless the motions that nothing
+  !! resists contain as many independent translations of the body as its supports allow.
+  subroutine find_touched(body, motions, touched)
+    type(free_body_t), intent(in) :: body(:)
+    real(wp), intent(in) :: motions(:, :, :) !! (6, body, m) translations that nothing resists
+    logical, intent(out) :: touched(:)
+    real(wp), allocatable :: allowed(:, :), blocked(:, :)
+    integer :: b
+
+    do b = 1, size(body)
+      associate (turn => body(b)%motion(4:, :body(b)%nmotion))
+        call null_vectors(matmul(transpose(turn), turn), PURE**2, allowed)
+      end associate
+      call null_vectors(matmul(motions(:3, b, :), transpose(motions(:3, b, :))), PURE, blocked)
+      touched(b) = 3 - size(blocked, 2) < size(allowed, 2)
+    end do
+  end subroutine find_touched
 
   !> Do the anchors bear a load that is not small? If so, the motion along this load is released for
   !! the rest of the step.
