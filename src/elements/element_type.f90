@@ -6,7 +6,7 @@ module element_type
   implicit none
   private
   public :: element_t, cell_t, topology_t, rule_t, form_report_t
-  public :: element_batch_i
+  public :: element_form_i, element_batch_i
   public :: NB
 
   !> One variant of an element type: its degrees and, for splines, its Bezier extraction and

@@ -167,7 +167,7 @@ contains
     integer, intent(in) :: q !! index of the point in the rule
     real(wp), intent(in) :: xu(6, basis%nen), a(3, basis%nmode), centre(3, 3), jac0
     integer, intent(in) :: n !! index of the point in the panel
-    real(wp), intent(inout) :: g(NV, 3, CHUNK, *)
+    real(wp), intent(inout) :: g(NV, 3, CHUNK, groups(basis%nen + basis%nmode))
     real(wp), intent(out) :: w, tau(6), lam, mus, c(6, 6)
     logical, intent(out) :: ok
 

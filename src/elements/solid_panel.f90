@@ -68,8 +68,7 @@ contains
       do m = 1, min(NV, n - NV*(gb - 1))
         b = NV*(gb - 1) + m
         do ga = 1, gb
-          call sum_blocks(nq, g(:, :, :, ga), t(m, 1, 1), gl(m, 1, 1), gm(m, 1, 1), gs(m, 1, 1), &
-                          block)
+          call sum_blocks(nq, m, g(:, :, :, ga), t, gl, gm, gs, block)
           a = NV*(ga - 1)
           if (first) then
             do j = 1, 3
@@ -123,10 +122,9 @@ contains
 
   !> Compute the blocks of a group of functions a with one function b. The compiler keeps the sums,
   !! which have the length of a register, in registers.
-  pure subroutine sum_blocks(nq, g, t, gl, gm, gs, k)
-    integer, intent(in) :: nq
-    real(wp), intent(in) :: g(NV, 3, CHUNK)
-    real(wp), intent(in), dimension(NV, 3, *) :: t, gl, gm, gs !! from weigh, b is the first of NV
+  pure subroutine sum_blocks(nq, m, g, t, gl, gm, gs, k)
+    integer, intent(in) :: nq, m !! points, position of b in its group
+    real(wp), intent(in), dimension(NV, 3, CHUNK) :: g, t, gl, gm, gs !! t to gs: from weigh
     real(wp), intent(out) :: k(NV, 3, 3)
 
     real(wp), dimension(NV) :: s1, s2, s3, k11, k21, k31, k12, k22, k32, k13, k23, k33
@@ -139,18 +137,18 @@ contains
     do q = 1, nq ! independent sums shorten the chains of dependent additions
       !$omp simd
       do l = 1, NV
-        s1(l) = s1(l) + g(l, 1, q)*t(1, 1, q)
-        s2(l) = s2(l) + g(l, 2, q)*t(1, 2, q)
-        s3(l) = s3(l) + g(l, 3, q)*t(1, 3, q)
-        k11(l) = k11(l) + g(l, 1, q)*gs(1, 1, q)
-        k22(l) = k22(l) + g(l, 2, q)*gs(1, 2, q)
-        k33(l) = k33(l) + g(l, 3, q)*gs(1, 3, q)
-        k12(l) = k12(l) + g(l, 1, q)*gl(1, 2, q) + g(l, 2, q)*gm(1, 1, q)
-        k21(l) = k21(l) + g(l, 2, q)*gl(1, 1, q) + g(l, 1, q)*gm(1, 2, q)
-        k13(l) = k13(l) + g(l, 1, q)*gl(1, 3, q) + g(l, 3, q)*gm(1, 1, q)
-        k31(l) = k31(l) + g(l, 3, q)*gl(1, 1, q) + g(l, 1, q)*gm(1, 3, q)
-        k23(l) = k23(l) + g(l, 2, q)*gl(1, 3, q) + g(l, 3, q)*gm(1, 2, q)
-        k32(l) = k32(l) + g(l, 3, q)*gl(1, 2, q) + g(l, 2, q)*gm(1, 3, q)
+        s1(l) = s1(l) + g(l, 1, q)*t(m, 1, q)
+        s2(l) = s2(l) + g(l, 2, q)*t(m, 2, q)
+        s3(l) = s3(l) + g(l, 3, q)*t(m, 3, q)
+        k11(l) = k11(l) + g(l, 1, q)*gs(m, 1, q)
+        k22(l) = k22(l) + g(l, 2, q)*gs(m, 2, q)
+        k33(l) = k33(l) + g(l, 3, q)*gs(m, 3, q)
+        k12(l) = k12(l) + g(l, 1, q)*gl(m, 2, q) + g(l, 2, q)*gm(m, 1, q)
+        k21(l) = k21(l) + g(l, 2, q)*gl(m, 1, q) + g(l, 1, q)*gm(m, 2, q)
+        k13(l) = k13(l) + g(l, 1, q)*gl(m, 3, q) + g(l, 3, q)*gm(m, 1, q)
+        k31(l) = k31(l) + g(l, 3, q)*gl(m, 1, q) + g(l, 1, q)*gm(m, 3, q)
+        k23(l) = k23(l) + g(l, 2, q)*gl(m, 3, q) + g(l, 3, q)*gm(m, 2, q)
+        k32(l) = k32(l) + g(l, 3, q)*gl(m, 2, q) + g(l, 2, q)*gm(m, 3, q)
       end do
     end do
     s1 = s1 + s2 + s3

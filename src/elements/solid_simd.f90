@@ -3,7 +3,7 @@
 !! as solid_batch_v4 and solid_form_v4 for AVX-512.
 module solid_simd
   use base_cpu, only: vector_level
-  use element_type, only: element_t, element_batch_i
+  use element_type, only: element_t, element_form_i, element_batch_i
   use solid_batch, only: form_batch
   use solid_batch_v3, only: form_batch_v3 => form_batch
   use solid_batch_v4, only: form_batch_v4 => form_batch
@@ -34,17 +34,19 @@ contains
   subroutine choose_forms(table)
     type(element_t), intent(inout) :: table(:)
 
-    integer :: i, level
+    procedure(element_form_i), pointer :: widest
+    integer :: i
 
-    level = vector_level()
+    select case (vector_level())
+    case (4)
+      widest => form_v4
+    case (3)
+      widest => form_v3
+    case default
+      widest => form
+    end select
     do i = 1, size(table)
-      if (.not. associated(table(i)%form, form)) cycle
-      select case (level)
-      case (4)
-        table(i)%form => form_v4
-      case (3)
-        table(i)%form => form_v3
-      end select
+      if (associated(table(i)%form, form)) table(i)%form => widest
     end do
   end subroutine choose_forms
 
