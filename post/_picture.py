@@ -75,11 +75,17 @@ def _fill(plot, frame, direction, up, size):
     plot.camera.parallel_scale = height / 2
 
 
-def greys():
-    """A colour map for bodies that are told apart but show no field."""
+def greys(count):
+    """(limits, colour map) for bodies 1 to `count`, which are told apart but show no field.
+
+    >>> limits, colours = greys(2)
+    >>> limits, colours.N
+    ((0.5, 2.5), 2)
+    """
     from matplotlib.colors import ListedColormap
 
-    return ListedColormap(["#c9d3dc", "#e4ddd0"])
+    shades = ("#c9d3dc", "#e4ddd0", "#d2dccb", "#dccfd6")
+    return (0.5, count + 0.5), ListedColormap([shades[i % len(shades)] for i in range(count)])
 
 
 def unit(direction):

@@ -52,9 +52,11 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
         if label:
             scene.caption = f"{label}, {scene.caption}" if say_step else label
     plain = scalar == "body"
-    limits, cmap = _scalar.colours([s.surface["shown"] for s in shown], limits, cmap)
+    values = [s.surface["shown"] for s in shown]
     if plain:
-        cmap = _picture.greys()
+        limits, cmap = _picture.greys(int(max(v.max() for v in values)))
+    else:
+        limits, cmap = _scalar.colours(values, limits, cmap)
     camera = _camera(view)
     images = _picture.render(shown, limits, cmap, camera, size, frame)
     words = None if plain else words or _scalar.label(scalar, component)
