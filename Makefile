@@ -34,7 +34,7 @@ OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overfl
                 -finit-real=snan -finit-derived -fbacktrace
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer
 OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings without optimisation
-OPT          := $(OPT_$(KIND)) -fopenmp-simd $(if $(NATIVE),-march=native)
+OPT          := $(OPT_$(KIND)) -fopenmp $(if $(NATIVE),-march=native)
 
 # --- Libraries: where pkg-config says, else in the folders that distributions use ------------------
 ROOTS      := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))

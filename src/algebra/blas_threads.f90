@@ -1,9 +1,10 @@
-!> Threads of OpenBLAS, and the processor for which it is tuned.
+!> Threads of the linear algebra, and the processor for which OpenBLAS is tuned.
 module blas_threads
   use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_null_char, c_ptr
   use base_error, only: error_t, fail, SYSTEM_ERROR
   use base_kinds, only: wp, i8
   use base_system, only: return_memory
+  use base_threads, only: use_threads
   use base_text, only: to_text
   use lapack, only: dgemm
   implicit none
@@ -25,12 +26,11 @@ module blas_threads
 
 contains
 
-  !> Use n threads in factorisations.
+  !> Use n threads: those of OpenMP, each of which calls OpenBLAS as if it were the only one.
   !!
-  !! A thread of OpenBLAS allocates its buffer when it starts; the first thread does so at its first
-  !! product. If memory is short, a thread repeats the attempt forever, so the available memory is
-  !! tested first. The product at the end makes the first thread allocate its buffer; smaller
-  !! matrices would not need one.
+  !! OpenBLAS allocates a buffer for each thread that is in one of its procedures. If memory is
+  !! short, it repeats the attempt forever, so the available memory is tested first. The products at
+  !! the end make the threads start and allocate the buffers; smaller matrices would not need them.
   subroutine set_threads(n, error)
     integer, intent(in) :: n
     type(error_t), allocatable, intent(out) :: error
@@ -52,9 +52,12 @@ contains
     end if
     deallocate (room)
     call return_memory()
-    call openblas_set_num_threads(int(max(n, 1), c_int))
+    call use_threads(max(n, 1))
+    call openblas_set_num_threads(1_c_int)
+    !$omp parallel private(a, c)
     allocate (a(LARGE, LARGE), c(LARGE, LARGE), source=0.0_wp)
     call dgemm('N', 'N', LARGE, LARGE, LARGE, 1.0_wp, a, LARGE, a, LARGE, 0.0_wp, c, LARGE)
+    !$omp end parallel
   end subroutine set_threads
 
   !> Name of the processor for which OpenBLAS is tuned; it is reported with measured times.

@@ -13,7 +13,8 @@ module csr
   implicit none
   private
   public :: block_matrix_t, clique_t, new_pattern, element_map, block_position, set_zero, &
-            multiply, multiply_free, row_sums, add_element, add_batch, sum_diagonal, diagonal_block
+            multiply, multiply_free, row_sums, add_element, add_batch, share_rows, sum_diagonal, &
+            diagonal_block
 
   !> Positions of the 3x3 blocks of one element, conn(nen), or of all elements of an element block,
   !! conn(nen, nelem).
@@ -395,14 +396,21 @@ contains
 
   !> Add one element matrix. If the matrix is symmetric, only the blocks on and above its diagonal
   !! are added, and k must be symmetric.
-  pure subroutine add_element(a, map, k)
+  pure subroutine add_element(a, map, k, row)
     type(block_matrix_t), intent(inout) :: a
     integer, intent(in) :: map(:, :)  !! (nen, nen) block positions, 0: not stored (element_map)
     real(wp), intent(in) :: k(:, :)   !! (3*nen, 3*nen)
-    integer :: b1, b2, j, p
+    !> Nodes of the element whose block rows are added, ascending; without it, all are. Threads that
+    !! add the rows of different nodes do not disturb each other.
+    integer, intent(in), optional :: row(:)
+    integer :: b1, b2, i, j, n, p
 
+    n = size(map, 1)
+    if (present(row)) n = size(row)
     do b2 = 1, size(map, 2)
-      do b1 = 1, size(map, 1)
+      do i = 1, n
+        b1 = i
+        if (present(row)) b1 = row(i)
         p = map(b1, b2)
         if (p == 0) cycle
         do j = 1, 3
@@ -415,29 +423,39 @@ contains
   end subroutine add_element
 
   !> Add a batch of elements, whose matrices are symmetric; the last batch of a block may not be
-  !! full.
-  pure subroutine add_batch(a, map, k)
+  !! full. Only the block rows of the nodes of one share are added, see share_rows.
+  pure subroutine add_batch(a, conn, map, k, share, shares)
     type(block_matrix_t), intent(inout) :: a
+    integer, intent(in) :: conn(:, :)        !! (nen, n) nodes
     integer, intent(in) :: map(:, :, :)      !! (nen, nen, n) positions, n <= NB elements in use
     real(wp), intent(in) :: k(:, :, :, :, :) !! (NB, 3, 3, nen, nen), see element_batch_i
+    integer, intent(in) :: share, shares
 
-    call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), map, k, a%val)
+    call add_batch_to(size(map, 1), size(map, 3), size(a%val, 3), conn, map, k, share, shares, &
+                      a%val)
   end subroutine add_batch
 
   !> Do the work of add_batch with arrays of explicit shape, for which the compiler produces faster
   !! code.
-  pure subroutine add_batch_to(nen, n, nblock, map, k, val)
+  pure subroutine add_batch_to(nen, n, nblock, conn, map, k, share, shares, val)
     integer, intent(in) :: nen, n, nblock
-    integer, intent(in) :: map(nen, nen, n)
+    integer, intent(in) :: conn(nen, n), map(nen, nen, n)
     real(wp), intent(in) :: k(NB, 3, 3, nen, nen)
+    integer, intent(in) :: share, shares
     real(wp), intent(inout) :: val(3, 3, nblock)
-    integer :: b1, b2, e, j, p
+    logical :: mine(NB, nen)
+    integer :: b1, b2, e, j, nrow, p, row(nen)
 
+    mine = .false.
+    do e = 1, n
+      call share_rows(conn(:, e), share, shares, row, nrow)
+      mine(e, row(:nrow)) = .true.
+    end do
     do b2 = 1, nen
       do b1 = 1, b2
         do e = 1, n
           p = map(b1, b2, e)
-          if (p > 0) then
+          if (p > 0 .and. mine(e, b1)) then
             do j = 1, 3
               val(1, j, p) = val(1, j, p) + k(e, 1, j, b1, b2)
               val(2, j, p) = val(2, j, p) + k(e, 2, j, b1, b2)
@@ -445,7 +463,7 @@ contains
             end do
           end if
           p = map(b2, b1, e)
-          if (b1 == b2 .or. p == 0) cycle
+          if (b1 == b2 .or. p == 0 .or. .not. mine(e, b2)) cycle
           do j = 1, 3
             val(1, j, p) = val(1, j, p) + k(e, j, 1, b1, b2)
             val(2, j, p) = val(2, j, p) + k(e, j, 2, b1, b2)
@@ -455,5 +473,25 @@ contains
       end do
     end do
   end subroutine add_batch_to
+
+  !> Find the nodes of an element that belong to one share of all nodes. The nodes are dealt to the
+  !! shares in turn, because neighbouring elements, which are added together, have neighbouring
+  !! nodes.
+  pure subroutine share_rows(conn, share, shares, row, n)
+    integer, intent(in) :: conn(:)
+    integer, intent(in) :: share, shares !! from 1; number of shares
+    integer, intent(out) :: row(:)       !! (nen) the first n are their local numbers, ascending
+    integer, intent(out) :: n
+    integer :: i
+
+    n = 0
+    do i = 1, size(conn)
+      if (shares > 1) then
+        if (mod(conn(i), shares) /= share - 1) cycle
+      end if
+      n = n + 1
+      row(n) = i
+    end do
+  end subroutine share_rows
 
 end module csr

@@ -1,4 +1,5 @@
-!> Makes OpenBLAS use the vector unit of the processor, and start no threads that are not used.
+!> Sets what the libraries of the linear algebra and of threads read when they are loaded: the
+!! vector unit that OpenBLAS uses, its threads, and the threads of OpenMP.
 !!
 !! OpenBLAS chooses its kernels when it is loaded, according to the model number of the processor.
 !! If the processor is newer than the library, the library chooses its oldest kernels. For example,
@@ -8,8 +9,14 @@
 !!
 !! When the library is loaded, it also starts a thread for each processor. These threads wait
 !! forever if a limit refuses the memory that they need. Therefore this program restarts itself with
-!! OPENBLAS_NUM_THREADS set to 1; `set_threads` starts further threads if there is memory for them.
-!! Neither variable is changed if the user has set it.
+!! OPENBLAS_NUM_THREADS set to 1.
+!!
+!! With `--threads`, the threads get a stack of OMP_STACKSIZE, because by default it may have only
+!! 2 MB, too little for the matrices of a spline element of high degree. A thread that waits for
+!! another one sleeps after GOMP_SPINCOUNT attempts. By default it would try for some milliseconds,
+!! which delays the thread that it waits for if other programs use the same processors.
+!!
+!! None of these variables is changed if the user has set it.
 module blas_choice
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_null_ptr, c_ptr
   use base_cpu, only: vector_level
@@ -18,6 +25,9 @@ module blas_choice
   implicit none
   private
   public :: prepare_blas
+
+  character(*), parameter :: STACK = '16M'   !! stack of each further thread
+  character(*), parameter :: SPINS = '1000' !! a few microseconds
 
   ! allow(assumed-size)
   interface
@@ -32,28 +42,52 @@ module blas_choice
 contains
 
   !> Restart this program if the library has chosen its oldest kernels although the processor
-  !! supports faster ones, or if OPENBLAS_NUM_THREADS is not set.
+  !! supports faster ones, or if a variable is not set.
   subroutine prepare_blas()
     character(:), allocatable :: kernel
-    integer :: status
     logical :: again
 
     again = .false.
     kernel = blas_kernel()
-    call get_environment_variable('OPENBLAS_CORETYPE', status=status)
-    if (status == 1 .and. any(kernel == [character(8) :: 'Prescott', 'Generic', 'Core2'])) then
+    if (any(kernel == [character(8) :: 'Prescott', 'Generic', 'Core2'])) then
       select case (vector_level())
       case (4)
-        call set_variable('OPENBLAS_CORETYPE', 'SkylakeX', again)
+        call set_missing('OPENBLAS_CORETYPE', 'SkylakeX', again)
       case (3)
-        call set_variable('OPENBLAS_CORETYPE', 'Haswell', again)
+        call set_missing('OPENBLAS_CORETYPE', 'Haswell', again)
       case default ! the oldest kernels are right
       end select
     end if
-    call get_environment_variable('OPENBLAS_NUM_THREADS', status=status)
-    if (status == 1) call set_variable('OPENBLAS_NUM_THREADS', '1', again)
+    call set_missing('OPENBLAS_NUM_THREADS', '1', again)
+    if (wants_threads()) then
+      call set_missing('OMP_STACKSIZE', STACK, again)
+      call set_missing('GOMP_SPINCOUNT', SPINS, again)
+    end if
     if (again) call start_again()
   end subroutine prepare_blas
+
+  !> Set an environment variable that is not set; `again` becomes true if this succeeds.
+  subroutine set_missing(name, value, again)
+    character(*), intent(in) :: name, value
+    logical, intent(inout) :: again
+    integer :: status
+
+    call get_environment_variable(name, status=status)
+    if (status == 1) call set_variable(name, value, again)
+  end subroutine set_missing
+
+  !> Is `--threads` one of the arguments?
+  logical function wants_threads()
+    character(*), parameter :: NAME = '--threads'
+    character(len(NAME)) :: argument
+    integer :: i
+
+    wants_threads = .false.
+    do i = 1, command_argument_count()
+      call get_command_argument(i, argument)
+      wants_threads = wants_threads .or. argument == NAME
+    end do
+  end function wants_threads
 
   !> Start this program again in the same process, with the same arguments. The procedure returns
   !! only if this fails.

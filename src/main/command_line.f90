@@ -39,7 +39,7 @@ module command_line
     option_t('--check', '', &
              'read the deck and report sizes, memory and problems, without solving'), &
     option_t('--restart', 'FILE', 'continue from a checkpoint'), &
-    option_t('--threads', 'N', 'number of threads of the linear algebra'), &
+    option_t('--threads', 'N', 'number of threads of each process (default: 1)'), &
     option_t('--time-limit', 'SECONDS', 'stop with a checkpoint after this wall time'), &
     option_t('--quiet', '', 'do not print progress, warnings or a summary on the screen'), &
     option_t('--list', '[WHAT]', 'list elements, materials, contacts or commands'), &

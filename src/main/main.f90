@@ -1,14 +1,15 @@
 !> The main program, from arguments to exit code. Start reading at run.f90.
 program main
   use base_agreement, only: agree
-  use base_comm, only: start_comm, stop_comm, is_root, rank_count
+  use base_comm, only: start_comm, stop_comm, is_root, rank_count, ranks_here
   use base_error, only: error_t, render, DECK_ERROR, error_list_t
   use base_file, only: make_folder, lock_file, unlock_file, lock_t, note_input
   use base_log, only: open_log, close_log, log_line, set_quiet, mute_log, progress, &
-                      summary
+                      summary, warn
   use base_system, only: finish_now, catch_signals, release_signals, start_clock, &
                          keep_signals_waiting, wall_seconds, keep_memory, set_default
   use base_text, only: to_text
+  use base_threads, only: machine_cores, own_cores, thread_count
   use base_timer, only: new_timers
   use blas_choice, only: prepare_blas
   use blas_threads, only: set_threads
@@ -104,6 +105,8 @@ program main
   end if
   call log_line('bezel '//VERSION//', deck '//options%deck)
   if (rank_count() > 1) call log_line('runs on '//to_text(rank_count())//' ranks')
+  if (thread_count() > 1) call log_line('uses '//to_text(thread_count())//' threads on each rank')
+  call warn_of_cores()
   call list_model(job%model)
 
   ! Factors that do not fit into memory go to files beside the results. MUMPS rejects long names.
@@ -134,6 +137,19 @@ program main
   call stop_comm(code, '')
 
 contains
+
+  !> Warn if there are more threads than cores: threads and ranks then wait for each other.
+  subroutine warn_of_cores()
+    associate (n => thread_count())
+      if (n*ranks_here() > machine_cores()) then
+        call warn(to_text(ranks_here())//' ranks with '//to_text(n)//' threads each share ' &
+                  //to_text(machine_cores())//' cores', hint='use fewer threads or ranks')
+      else if (n > own_cores()) then
+        call warn(to_text(n)//' threads share '//to_text(own_cores())//' cores, to which this ' &
+                  //'process is bound', hint='mpirun --bind-to none, or taskset, changes this')
+      end if
+    end associate
+  end subroutine warn_of_cores
 
   subroutine stop_on(error)
     type(error_t), allocatable, intent(in) :: error

@@ -7,19 +7,19 @@
 module assembly
   use anchors, only: anchors_t, anchor_force
   use base_agreement, only: agree
-  use base_comm, only: gather_blocks, rank_count, this_rank
+  use base_comm, only: rank_count, this_rank
   use base_error, only: error_t
   use base_kinds, only: wp, i8
   use base_system, only: seconds_of_both
   use constraint, only: follow, fold_force
   use contact_assembly, only: contact_work_t, new_contact_work, find_contact, contact_cliques, &
                               map_contact, add_contact, CLIQUES
-  use csr, only: block_matrix_t, clique_t, new_pattern, element_map, add_element, add_batch, &
-                 set_zero, sum_diagonal
+  use csr, only: block_matrix_t, clique_t, new_pattern, element_map, set_zero, sum_diagonal
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
   use dynamics_type, only: HHT
-  use element_type, only: form_report_t, NB
-  use external_load, only: map_t, external_force, scatter_force
+  use element_sweep, only: sweep_t, form_block
+  use element_type, only: NB
+  use external_load, only: map_t, external_force
   use inertia, only: mass_t, find_masses, add_inertia
   use mesh, only: is_rigid
   use model, only: model_t, state_t
@@ -46,16 +46,6 @@ module assembly
     !! solve), and the part of it that contact takes: search, pattern, forces and tangent.
     real(wp) :: seconds(2) = 0.0_wp, contact_seconds(2) = 0.0_wp
   end type assembler_t
-
-  !> The result of one sweep over the elements.
-  type :: sweep_t
-    logical :: ok = .true.
-    integer :: block = 0, elem = 0       !! the first element that failed
-    integer :: negative = 0              !! negative eigenvalues of condensed enhanced modes
-    real(wp) :: enhanced = 0.0_wp        !! energy of the enhanced residuals [F L]
-    real(wp) :: rounding = 0.0_wp        !! sum of |f||u| over elements [F L]
-    real(wp) :: largest = 0.0_wp         !! largest nodal force from one element [F]
-  end type sweep_t
 
 contains
 
@@ -171,14 +161,7 @@ contains
     call set_zero(asm%k)
     do b = 1, size(model%mesh%block)
       if (is_rigid(model%mesh%block(b))) cycle
-      associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material))
-        if (associated(block%row%form_batch) .and. associated(mat%row%moduli) &
-            .and. size(block%basis) == 1) then
-          call form_batches(asm, model, state, b, sweep)
-        else
-          call form_elements(asm, model, state, b, sweep)
-        end if
-      end associate
+      call form_block(model, state, b, asm%first(:, b), asm%map(b)%at, asm%k, asm%f_int, sweep)
       if (.not. sweep%ok) exit
     end do
     if (sweep%ok) then
@@ -231,163 +214,6 @@ contains
     end if
     asm%f_int = asm%f_int + asm%f_inert
   end subroutine form_inertia
-
-  !> Form one block, element by element.
-  subroutine form_elements(asm, model, state, b, sweep)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    integer, intent(in) :: b
-    type(sweep_t), intent(inout) :: sweep
-    real(wp), allocatable :: xr(:, :), u(:, :), du(:, :), r(:, :), k(:, :), found(:, :)
-    type(form_report_t) :: report
-    integer :: e, nen, own(2)
-
-    own = own_elements(asm, b)
-    associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
-               h => state%history(b))
-      nen = block%nen
-      allocate (xr(3, nen), u(3, nen), du(3, nen), r(3, nen), k(3*nen, 3*nen))
-      call make_room(asm, block%nelem, nen, found)
-      do e = own(1), own(2)
-        xr = model%mesh%xr(:, block%conn(:, e))
-        u = state%u(:, block%conn(:, e))
-        du = u - state%u_base(:, block%conn(:, e))
-        call block%row%form(block%basis(block%ibasis(e)), mat%row, mat%prop, xr, u, du, &
-                            state%scale, h%iter(:, e), h%trial(:, e), r, k, report)
-        if (asm%k%shared) then
-          if (.not. report%ok) exit
-          found(:, e) = packed(report, r)
-        else
-          call note(sweep, report, b, e, r, u)
-          if (.not. sweep%ok) return
-          call scatter_force(block%conn(:, e), r, asm%f_int)
-        end if
-        call add_element(asm%k, asm%map(b)%at(:, :, e), k)
-      end do
-    end associate
-    if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
-  end subroutine form_elements
-
-  !> Form one block, NB elements at a time; the last batch repeats its last element.
-  subroutine form_batches(asm, model, state, b, sweep)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    integer, intent(in) :: b
-    type(sweep_t), intent(inout) :: sweep
-    real(wp), allocatable :: xr(:, :, :), u(:, :, :), du(:, :, :), r(:, :, :), k(:, :, :, :, :)
-    real(wp), allocatable :: h_old(:, :), h_new(:, :), found(:, :)
-    type(form_report_t) :: report(NB)
-    integer :: e, e0, i, lane, n, nen, own(2)
-
-    own = own_elements(asm, b)
-    associate (block => model%mesh%block(b), mat => model%material(model%mesh%block(b)%material), &
-               h => state%history(b))
-      nen = block%nen
-      allocate (xr(NB, 3, nen), u(NB, 3, nen), du(NB, 3, nen), r(NB, 3, nen), k(NB, 3, 3, nen, nen))
-      allocate (h_old(size(h%iter, 1), NB), h_new(size(h%iter, 1), NB))
-      call make_room(asm, block%nelem, nen, found)
-      batches: do e0 = own(1) - 1, own(2) - 1, NB
-        n = min(NB, own(2) - e0)
-        do lane = 1, NB
-          e = e0 + min(lane, n)
-          do i = 1, nen
-            xr(lane, :, i) = model%mesh%xr(:, block%conn(i, e))
-            u(lane, :, i) = state%u(:, block%conn(i, e))
-            du(lane, :, i) = u(lane, :, i) - state%u_base(:, block%conn(i, e))
-          end do
-          h_old(:, lane) = h%iter(:, e)
-        end do
-        call block%row%form_batch(block%basis(1), mat%row, mat%prop, xr, u, du, state%scale, &
-                                  h_old, h_new, r, k, report)
-        do lane = 1, n
-          e = e0 + lane
-          if (asm%k%shared) then
-            if (.not. report(lane)%ok) exit batches
-            found(:, e) = packed(report(lane), r(lane, :, :))
-            h%trial(:, e) = h_new(:, lane)
-            cycle
-          end if
-          call note(sweep, report(lane), b, e, r(lane, :, :), u(lane, :, :))
-          if (.not. sweep%ok) return
-          h%trial(:, e) = h_new(:, lane)
-          call scatter_force(block%conn(:, e), r(lane, :, :), asm%f_int)
-        end do
-        call add_batch(asm%k, asm%map(b)%at(:, :, e0 + 1:e0 + n), k)
-      end do batches
-    end associate
-    if (asm%k%shared) call add_found(asm, model, state, b, found, sweep)
-  end subroutine form_batches
-
-  !> Allocate the array in which the ranks exchange the results of their elements. Elements that are
-  !! not formed because an earlier one failed count as failed.
-  subroutine make_room(asm, nelem, nen, found)
-    type(assembler_t), intent(in) :: asm
-    integer, intent(in) :: nelem, nen
-    real(wp), allocatable, intent(out) :: found(:, :) !! (3*nen + 3, nelem), see packed
-
-    if (asm%k%shared) allocate (found(3*nen + 3, nelem), source=0.0_wp)
-  end subroutine make_room
-
-  !> The forces of an element, whether it was formed, and its report.
-  pure function packed(report, r) result(list)
-    type(form_report_t), intent(in) :: report
-    real(wp), intent(in) :: r(:, :)
-    real(wp) :: list(size(r) + 3)
-
-    list = [reshape(r, [size(r)]), 1.0_wp, real(report%negative, wp), report%enhanced]
-  end function packed
-
-  !> Send the results of each rank to all ranks, and add them as form_elements does on one rank. All
-  !! ranks get the history of all elements.
-  subroutine add_found(asm, model, state, b, found, sweep)
-    type(assembler_t), intent(inout) :: asm
-    type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
-    integer, intent(in) :: b
-    real(wp), intent(inout), contiguous :: found(:, :)
-    type(sweep_t), intent(inout) :: sweep
-    type(form_report_t) :: report
-    real(wp) :: r(3, model%mesh%block(b)%nen)
-    integer :: e, n
-
-    call gather_blocks(found, asm%first(:, b))
-    if (size(state%history(b)%trial, 1) > 0) then
-      call gather_blocks(state%history(b)%trial, asm%first(:, b))
-    end if
-    n = size(r)
-    do e = 1, size(found, 2)
-      report%ok = found(n + 1, e) > 0.0_wp
-      report%negative = nint(found(n + 2, e))
-      report%enhanced = found(n + 3, e)
-      r = reshape(found(:n, e), shape(r))
-      associate (node => model%mesh%block(b)%conn(:, e))
-        call note(sweep, report, b, e, r, state%u(:, node))
-        if (.not. sweep%ok) return
-        call scatter_force(node, r, asm%f_int)
-      end associate
-    end do
-  end subroutine add_found
-
-  !> Add the report of an element to the results of the sweep.
-  pure subroutine note(sweep, report, b, e, r, u)
-    type(sweep_t), intent(inout) :: sweep
-    type(form_report_t), intent(in) :: report
-    integer, intent(in) :: b, e
-    real(wp), intent(in) :: r(:, :), u(:, :)
-
-    if (.not. report%ok) then
-      sweep%ok = .false.
-      sweep%block = b
-      sweep%elem = e
-      return
-    end if
-    sweep%negative = sweep%negative + report%negative
-    sweep%enhanced = sweep%enhanced + report%enhanced
-    sweep%rounding = sweep%rounding + sum(abs(r*u))
-    sweep%largest = max(sweep%largest, maxval(abs(r)))
-  end subroutine note
 
   !> The free components of a nodal vector, in the order of the equations.
   pure subroutine free_part(eq, f, x)
