@@ -27,15 +27,17 @@ contains
     integer :: i, j
     logical :: ok
 
-    k = 0.0_wp
-    r = 0.0_wp
     f = full(nd + 1:, nd + 1:)
     m = rfull(nd + 1:)
     x = full(:nd, nd + 1:)
-    l = 0.0_wp
     call ldl_factor(np, f, report%negative, ok)
     report%ok = report%ok .and. ok
-    if (.not. ok) return
+    if (.not. ok) then
+      k = 0.0_wp
+      r = 0.0_wp
+      l = 0.0_wp
+      return
+    end if
     call ldl_solve(np, f, 1, m)
     call solve_rows(nd, np, f, x)
     l = transpose(x)

@@ -190,18 +190,18 @@ contains
       t = matmul(t, back)
       m = matmul(transpose(back), m)
     end if
-    do b = 1, groups(basis%nen)
+    do i = 1, basis%nen
+      b = (i - 1)/NV + 1
+      l = i - NV*(b - 1)
       do j = 1, 3
-        do l = 1, min(NV, basis%nen - NV*(b - 1))
-          i = NV*(b - 1) + l
-          g(l, j, n, b) = t(1, j)*basis%dshp(1, i, q) + t(2, j)*basis%dshp(2, i, q) &
-                          + t(3, j)*basis%dshp(3, i, q)
-        end do
+        g(l, j, n, b) = t(1, j)*basis%dshp(1, i, q) + t(2, j)*basis%dshp(2, i, q) &
+                        + t(3, j)*basis%dshp(3, i, q)
       end do
     end do
     do i = 1, basis%nmode
-      l = basis%nen + i - 1
-      g(mod(l, NV) + 1, :, n, l/NV + 1) = m(:, i)
+      b = (basis%nen + i - 1)/NV + 1
+      l = basis%nen + i - NV*(b - 1)
+      g(l, :, n, b) = m(:, i)
     end do
   end subroutine evaluate_point
 
