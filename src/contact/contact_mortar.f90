@@ -320,8 +320,8 @@ contains
     real(wp), intent(out) :: slip_rate        !! [L/T]
     real(wp), intent(out) :: limit            !! [F/L^2]
     real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
-    integer :: first, low, high, middle, j
-    real(wp) :: least, w, total
+    integer :: low, high, middle, j
+    real(wp) :: w, total
 
     low = 1
     high = size(rubbed%elem) + 1
@@ -333,18 +333,13 @@ contains
         high = middle
       end if
     end do
-    first = low
-    least = huge(least)
-    do high = first, size(rubbed%elem)
-      if (rubbed%elem(high) /= e) exit
-      least = min(least, sum((rubbed%xi(:, high) - xi)**2) + SAME)
-    end do
     elastic = 0.0_wp
     slip_rate = 0.0_wp
     limit = 0.0_wp
     total = 0.0_wp
-    do j = first, high - 1
-      w = (least/(sum((rubbed%xi(:, j) - xi)**2) + SAME))**2
+    do j = low, size(rubbed%elem)
+      if (rubbed%elem(j) /= e) exit
+      w = 1.0_wp/((rubbed%xi(1, j) - xi(1))**2 + (rubbed%xi(2, j) - xi(2))**2 + SAME)**2
       total = total + w
       elastic = elastic + w*rubbed%elastic(:, j)
       slip_rate = slip_rate + w*rubbed%slip_rate(j)
