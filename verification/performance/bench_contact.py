@@ -20,17 +20,20 @@ from verification.performance import calculix_hemisphere as calculix
 DECKS = pathlib.Path(__file__).resolve().parents[1] / "benchmark/section5_contact"
 MESH_2 = {"n": 7, "m": 2, "k": 4, "eps": 250}
 MESH_3 = {"n": 11, "m": 3, "k": 8, "eps": 500}
-OURS, DEFAULT, Q1E9 = "q1e9_q1n2", "default", "q1e9"
-THEIRS, SWAPPED = "calculix", "calculix, block as slave"
+OURS, DEFAULT, LONG, Q1E9 = "q1e9_q1n2", "default", "large_steps", "q1e9"
+THEIRS, SWAPPED, THEIRS_LONG = "calculix", "calculix, block as slave", "calculix, long increments"
 TITLES = {
     OURS: "bezel, Q1E9+Q1N2, two half passes",
     DEFAULT: "bezel, Q1E9+Q1N2, default scheme",
+    LONG: "bezel, the same, increments of 9 degrees",
     Q1E9: "bezel, Q1E9, two half passes",
     THEIRS: "CalculiX, C3D8",
     SWAPPED: "CalculiX, C3D8, block as slave",
+    THEIRS_LONG: "CalculiX, C3D8, increments of 9 degrees",
 }
 FRICTION = (0.0, 0.5)
 PARTS = ("assembly", "contact", "analyse", "factorise", "solve")
+LONG_TURNS = 20  # increments of 9 degrees
 ENOUGH = 180.0 - 1e-3  # degrees of a complete run
 
 
@@ -44,8 +47,8 @@ def time_contact(bezel, folder, missing):
     for mu in FRICTION:
         before = run_bezel(bezel, folder, OURS, mu, MESH_2)
         first = before
-        for name in (DEFAULT, Q1E9, THEIRS, SWAPPED):
-            if name == SWAPPED and mu == 0:
+        for name in (DEFAULT, LONG, Q1E9, THEIRS, SWAPPED, THEIRS_LONG):
+            if name in (LONG, SWAPPED, THEIRS_LONG) and mu == 0:
                 continue
             print(f"bench: contact, mu = {mu:g}, {name}", flush=True)
             try:
@@ -70,11 +73,11 @@ def time_contact(bezel, folder, missing):
 
 def run_one(bezel, folder, name, mu):
     """Make a run that is not the one to which the ratios refer."""
-    if name in (DEFAULT, Q1E9):
+    if name in (DEFAULT, LONG, Q1E9):
         return run_bezel(bezel, folder, name, mu, MESH_2)
     place = folder / name.replace(", ", "_").replace(" ", "_")
     place.mkdir(exist_ok=True)
-    return run_calculix(place, mu, name == SWAPPED)
+    return run_calculix(place, mu, name)
 
 
 def each(row):
@@ -140,12 +143,13 @@ def sliding_means(path):
     }
 
 
-def run_calculix(place, mu, swapped):
+def run_calculix(place, mu, name):
     """The same run with CalculiX."""
     program = shutil.which("ccx")
     if not program:
         raise runs.Unavailable("CalculiX is not installed (apt install calculix-ccx)")
-    mesh = calculix.write_input(place / "hemisphere.inp", MESH_2, mu, swapped)
+    turns = LONG_TURNS if name == THEIRS_LONG else calculix.TURN
+    mesh = calculix.write_input(place / "hemisphere.inp", MESH_2, mu, name == SWAPPED, turns)
     wall, cpu, _, _, output, _ = runs.measure([program, "hemisphere"], place)
     found = calculix.read_output(place, output, mesh)
     if not found["iterations"]:
@@ -159,7 +163,7 @@ def table(contact):
     lines = [
         "A hollow hemisphere is pressed on a block and turned by 180 degrees (mesh 2 of section 5).",
         "",
-        "- The increments are 3 degrees. bezel uses 5 x 5 integration points per surface element, CalculiX its own.",
+        "- The increments are 3 degrees where no others are given; they may be cut. bezel uses 5 x 5 integration points per surface element, CalculiX its own.",
         "- The times are those of whole processes. Ratios, per iteration and per degree of rotation, refer to the runs with two half passes just before and after. "
         f"The load averages were {contact['load']}.",
         "- Forces and torques are those of the supports at the rim and at the base, averaged from 120 degrees on.",
@@ -221,11 +225,15 @@ def targets(result):
                 text = f"CPU time per iteration in contact, mu = {mu:g}, CalculiX over Q1E9+Q1N2"
                 found.append((text, "1", f"{row['ratio']:.2f}", row["ratio"] >= 1))
         mu = f", {FRICTION[-1]:g}"
-        if THEIRS + mu in contact["runs"]:
-            rows = contact["runs"]
-            ratio = rows[THEIRS + mu]["whole"] / rows[DEFAULT + mu]["whole"]
-            text = "CPU time per degree of rotation, mu = 0.5, CalculiX over the default scheme"
-            found.append((text, "3", f"{ratio:.2f}", ratio >= 3))
+        rows = contact["runs"]
+        if THEIRS + mu in rows:
+            longest = " (each with its best increments)" if LONG + mu in rows else ""
+            theirs = min(
+                rows[name + mu]["whole"] for name in (THEIRS, THEIRS_LONG) if name + mu in rows
+            )
+            ours = min(rows[name + mu]["whole"] for name in (DEFAULT, LONG) if name + mu in rows)
+            text = f"CPU time per degree of rotation, mu = 0.5, CalculiX over the default scheme{longest}"
+            found.append((text, "3", f"{theirs / ours:.2f}", theirs / ours >= 3))
         for which, key, most in (
             ("two half passes", "mesh_3", 15),
             ("default", "mesh_3_default", 20),

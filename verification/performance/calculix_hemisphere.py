@@ -3,15 +3,15 @@ CalculiX: write its input and read its results.
 
 The nodes are those of bezel's Q1 mesh. Elements are C3D8 with eight integration points. Contact is
 of the type surface to surface, with the hemisphere as the slave, a linear pressure-overclosure
-relation and the stick slope eps. Increments are 1/20 of the downward motion, then 3 degrees. The
-rim is turned by means of amplitudes, two per node. The neo-Hooke law is that of calculix_cube.py,
+relation and the stick slope eps. Increments are 1/20 of the downward motion, then 3 degrees, or as
+given. The rim is turned by means of amplitudes, two per node. The neo-Hooke law is that of calculix_cube.py,
 with (J - 1)^2 instead of the (ln J)^2 of bezel.
 """
 
 import math
 import re
 
-DOWN, TURN = 20, 60  # increments
+DOWN, TURN = 20, 60  # usual numbers of increments
 DEGREES = 180.0
 SLIDING = 120.0  # angle [degrees] beyond which all points slide
 HEMI, BLOCK = 5.0, 1.0  # Young's moduli of the hemisphere and of the block
@@ -101,9 +101,9 @@ def contact(eps, mu, swapped):
     ]
 
 
-def write_input(path, mesh, mu, swapped=False):
-    """Write the mesh (n, m, k, eps), a step that moves down and a step that turns; swapped: the
-    block is the slave.
+def write_input(path, mesh, mu, swapped=False, turns=TURN):
+    """Write the mesh (n, m, k, eps), a step that moves down and a step that turns in the given
+    number of increments; swapped: the block is the slave.
     """
     n, m, k = (mesh[name] for name in "nmk")
     hemi, block = meshes(n, m, k)
@@ -127,25 +127,25 @@ def write_input(path, mesh, mu, swapped=False):
     base = [block.node(i, j, 0) for j in range(k + 1) for i in range(k + 1)]
     text += ["*NSET,NSET=RIM", *(f"{a}," for a in rim), "*NSET,NSET=BASE", *(f"{a}," for a in base)]
     text += material("HEMI", HEMI) + material("BLOCK", BLOCK) + contact(mesh["eps"], mu, swapped)
-    turn, moves = rotation(hemi, rim)
+    turn, moves = rotation(hemi, rim, turns)
     text += turn + ["*BOUNDARY", "BASE,1,3"]
     text += step(DOWN, ["*BOUNDARY", "RIM,1,2", "RIM,3,3,-1."])
-    text += step(TURN, ["*BOUNDARY", "RIM,3,3,-1.", *moves])
+    text += step(turns, ["*BOUNDARY", "RIM,3,3,-1.", *moves])
     path.write_text("\n".join(text) + "\n")
     return {"rim": rim, "base": base, "nodes": hemi.nodes | block.nodes}
 
 
-def rotation(hemi, rim):
+def rotation(hemi, rim, turns):
     """Amplitudes of the displacements of the rim nodes, and the records that apply them."""
     amplitudes, moves = [], []
-    angles = [math.radians(DEGREES) * i / TURN for i in range(TURN + 1)]
+    angles = [math.radians(DEGREES) * i / turns for i in range(turns + 1)]
     for a in rim:
         x, y, _ = hemi.nodes[a]
         for d in (1, 2):
             pairs = []
             for i, t in enumerate(angles):
                 c, s = math.cos(t) - 1, math.sin(t)
-                pairs.append(f"{i / TURN:.10g},{x * c - y * s if d == 1 else y * c + x * s:.15g}")
+                pairs.append(f"{i / turns:.10g},{x * c - y * s if d == 1 else y * c + x * s:.15g}")
             amplitudes.append(f"*AMPLITUDE,NAME=A{a}D{d}")
             amplitudes += [",".join(pairs[i : i + 4]) for i in range(0, len(pairs), 4)]
             moves += [f"*BOUNDARY,AMPLITUDE=A{a}D{d}", f"{a},{d},{d},1."]
