@@ -26,7 +26,8 @@ module blas_threads
 
 contains
 
-  !> Use n threads: those of OpenMP, each of which calls OpenBLAS as if it were the only one.
+  !> Use n threads: those of OpenMP, each of which calls OpenBLAS as if it were the only one (see
+  !! blas_products).
   !!
   !! OpenBLAS allocates a buffer for each thread that is in one of its procedures. If memory is
   !! short, it repeats the attempt forever, so the available memory is tested first. The products at

@@ -5,11 +5,12 @@
 !! elements or different rows, and every sum is formed in the same order as by one thread.
 module base_threads
   use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_get_num_threads, &
-                     omp_get_thread_num, omp_set_dynamic, omp_set_num_threads
+                     omp_get_thread_num, omp_in_parallel, omp_set_dynamic, omp_set_num_threads
   use, intrinsic :: iso_c_binding, only: c_int
   implicit none
   private
-  public :: use_threads, thread_count, team_size, this_thread, own_cores, machine_cores
+  public :: use_threads, thread_count, team_size, this_thread, idle_threads, own_cores, &
+            machine_cores
 
   interface
     integer(c_int) function get_nprocs() bind(C, name='get_nprocs')
@@ -33,6 +34,14 @@ contains
 
     thread_count = omp_get_max_threads()
   end function thread_count
+
+  !> Number of threads that a procedure may use: one if it is called by a thread of a parallel
+  !! region.
+  integer function idle_threads()
+
+    idle_threads = 1
+    if (.not. omp_in_parallel()) idle_threads = omp_get_max_threads()
+  end function idle_threads
 
   !> Number of threads of the parallel region from which this function is called; it may be less
   !! than thread_count if the system limits it.
