@@ -277,7 +277,7 @@ contains
         call renew_anchors(newton, model, state, loaded)
         if (loaded) then
           call free_part(model%eq, du, newton%dx)
-          call find_reach(hold, model, state, reach)
+          call find_reach(hold, model, state, du, reach)
           s = reach
         else
           call solve_tangent(newton, model, state, pass, error)
@@ -346,7 +346,7 @@ contains
     if (energy <= NO_ENERGY*abs(sum(du*force))) return
     longest = sqrt(maxval(sum(du**2, 1)))
     if (newton%moves .and. longest <= MANY_TIMES*maxval(abs(newton%move))) return
-    call find_reach(newton%hold, model, state, reach)
+    call find_reach(newton%hold, model, state, du, reach)
     if (longest > reach) s = reach/longest
   end subroutine find_fraction
 

@@ -24,6 +24,7 @@ module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
   use base_kinds, only: wp
   use base_comm, only: is_root
+  use contact_pair, only: contact_t
   use csr, only: block_matrix_t, block_position, multiply
   use lapack, only: dsyev
   use model, only: model_t, state_t
@@ -311,15 +312,17 @@ contains
                             [6, size(hold%body), size(hold%released, 3) + 1])
   end subroutine release_loaded
 
-  !> Find the distance that a body may move at once [L]: up to the nearest other surface, and a
-  !! little into it.
-  subroutine find_reach(hold, model, state, reach)
+  !> Find the distance that bodies may move at once [L]: up to the nearest other surface, and a
+  !! little into it. Contacts between surfaces that move together do not count.
+  subroutine find_reach(hold, model, state, du, reach)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: du(:, :)     !! (3, nnode) the motion, of any length
     real(wp), intent(out) :: reach
     real(wp), allocatable :: x(:, :)
     real(wp) :: depth, gap, h, little
+    logical :: counts(size(model%contact))
     integer :: c, k
 
     allocate (x, source=model%mesh%xr + state%u)
@@ -327,8 +330,13 @@ contains
     h = huge(h)
     depth = huge(depth)
     do c = 1, size(model%contact)
+      counts(c) = changes_gap(model%contact(c), du)
+    end do
+    if (.not. any(counts)) counts = .true.
+    do c = 1, size(model%contact)
       associate (contact => model%contact(c))
-        if (.not. is_within_body(model, c)) gap = min(gap, find_distance(contact, model%mesh%xr, x))
+        if (counts(c)) counts(c) = .not. is_within_body(model, c)
+        if (counts(c)) gap = min(gap, find_distance(contact, model%mesh%xr, x))
         depth = min(depth, contact%depth)
         do k = 1, 2
           if (.not. contact%side(k)%rigid) h = min(h, minval(contact%side(k)%width))
@@ -339,6 +347,24 @@ contains
     hold%at_contact = merge(hold%at_contact + 1, 0, gap <= little)
     reach = gap + little
   end subroutine find_reach
+
+  !> Does a motion change the distance of the two surfaces of a contact? It does not if all their
+  !! nodes have the same displacement.
+  pure logical function changes_gap(contact, du) result(yes)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: du(:, :)     !! (3, nnode)
+    real(wp) :: first(3), difference
+    integer :: i, k
+
+    first = du(:, contact%side(1)%node(1))
+    difference = 0.0_wp
+    do k = 1, 2
+      do i = 1, size(contact%side(k)%node)
+        difference = max(difference, norm2(du(:, contact%side(k)%node(i)) - first))
+      end do
+    end do
+    yes = contact%self .or. difference > PURE*sqrt(maxval(sum(du**2, 1)))
+  end function changes_gap
 
   !> Add the springs to the tangent.
   subroutine add_springs(hold, k)
