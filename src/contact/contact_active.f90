@@ -231,6 +231,7 @@ contains
     integer :: e, i
 
     if (points%new_step) call begin_refinement(contact, points)
+    !$omp parallel do schedule(dynamic) private(i)
     do e = 1, contact%side(k)%nelem
       call project_points(contact, k, shape, grid, x, e, feet, points)
       if (contact%nq == contact%nplain) cycle
@@ -245,6 +246,7 @@ contains
         call silence(points, i + contact%nplain + 1, i + contact%nq)
       end if
     end do
+    !$omp end parallel do
   end subroutine project_side
 
   !> Project the active points of element e.

@@ -13,6 +13,7 @@
 !! as the cells are kept.
 module contact_cells
   use base_kinds, only: wp
+  use base_threads, only: thread_count
   use cell_border, only: part_t, find_border, bend_functions, NBEND
   use contact_facets, only: facets_t, find_near, FACING
   use contact_pair, only: contact_t, surface_t
@@ -53,11 +54,9 @@ module contact_cells
     integer :: whole = 1 !! points of a whole element in one direction
   end type rule_t
 
-  !> Points of the cells of one side.
-  type :: cells_t
+  !> Points of cells.
+  type :: points_t
     integer :: n = 0
-    type(rule_t) :: rule
-    integer, allocatable :: first(:)        !! (nelem+1) first point of each element
     integer, allocatable :: elem(:)         !! (n)
     real(wp), allocatable :: xi(:, :)       !! (2, n)
     real(wp), allocatable :: weight(:)      !! (n) reference area [L^2]
@@ -66,11 +65,18 @@ module contact_cells
     !! facet. The first projection of the point starts there.
     integer, allocatable :: faced(:)        !! (n)
     real(wp), allocatable :: faced_xi(:, :) !! (2, n)
+  end type points_t
+
+  !> Points of the cells of one side, in the order of its elements.
+  type, extends(points_t) :: cells_t
+    type(rule_t) :: rule
+    integer, allocatable :: first(:)        !! (nelem+1) first point of each element
   end type cells_t
 
 contains
 
-  !> Cut the elements of side k along the borders of the facets of the other side.
+  !> Cut the elements of side k along the borders of the facets of the other side. Each thread cuts
+  !! some facets; the points are listed in the order of the facets.
   subroutine cut_cells(contact, k, shape, reference, facets, reach, cells)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -79,6 +85,54 @@ contains
     type(facets_t), intent(in) :: facets(2) !! facets of both sides
     real(wp), intent(in) :: reach           !! facets farther apart than this do not touch [L]
     type(cells_t), intent(inout) :: cells   !! replaces the earlier cells
+    integer, parameter :: SHARES = 8        !! parts of the work of a thread, for an even load
+    type(points_t), allocatable :: share(:)
+    integer :: e, i, n, nshare
+
+    if (.not. allocated(cells%first)) then
+      allocate (cells%first(contact%side(k)%nelem + 1))
+      call find_rule(contact, cells%rule)
+    end if
+    nshare = 1
+    if (thread_count() > 1) nshare = max(1, min(facets(k)%n, SHARES*thread_count()))
+    allocate (share(nshare))
+    if (nshare == 1) call move_points(cells%points_t, share(1)) ! its memory is used again
+    !$omp parallel do schedule(dynamic) if (nshare > 1)
+    do i = 1, nshare
+      call cut_facets(contact, k, shape, reference, facets, reach, cells%rule, &
+                      facets(k)%n*(i - 1)/nshare + 1, facets(k)%n*i/nshare, share(i))
+    end do
+    !$omp end parallel do
+    if (nshare == 1) then
+      call move_points(share(1), cells%points_t)
+    else
+      n = sum(share%n)
+      cells%n = 0
+      call reserve(cells%points_t, n)
+      do i = 1, nshare
+        call append_points(share(i), cells%points_t)
+      end do
+    end if
+    n = 1
+    do e = 1, contact%side(k)%nelem
+      cells%first(e) = n
+      do while (n <= cells%n)
+        if (cells%elem(n) /= e) exit
+        n = n + 1
+      end do
+    end do
+    cells%first(e) = n
+  end subroutine cut_cells
+
+  !> Cut the facets `from` to `to` of side k.
+  subroutine cut_facets(contact, k, shape, reference, facets, reach, rule, from, to, points)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, from, to
+    type(shape_t), intent(in) :: shape(2), reference
+    type(facets_t), intent(in) :: facets(2)
+    real(wp), intent(in) :: reach
+    type(rule_t), intent(in) :: rule
+    type(points_t), intent(inout) :: points !! replaces the earlier points
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
@@ -88,22 +142,16 @@ contains
     type(part_t) :: part
     logical :: mapped
 
-    associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k), &
-               rule => cells%rule)
+    associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
       allocate (near(theirs%n))
-      cells%n = 0
-      if (.not. allocated(cells%first)) then
-        allocate (cells%first(own%nelem + 1))
-        call find_rule(contact, cells%rule)
-      end if
-      call reserve(cells, 16*rule%least**2)
+      points%n = 0
+      call reserve(points, 16*rule%least**2)
       e = 0
-      do i = 1, mine%n
-        do while (e < mine%elem(i))
-          e = e + 1
-          cells%first(e) = cells%n + 1
+      do i = from, to
+        if (mine%elem(i) /= e) then
+          e = mine%elem(i)
           flat = collapsed_side(own, e)
-        end do
+        end if
         call find_near(mine, i, theirs, reach, near, nnear)
         if (nnear == 0) cycle
         call make_frame(mine%x(:, :, i), mine%normal(:, i), frame)
@@ -120,12 +168,12 @@ contains
           if (m == 0) cycle
           call map_corners(own, shape(k), e, flat, mine, i, frame, quad, m, corner, mapped)
           if (.not. mapped) cycle
-          associate (from => theirs%from(:, near(j)), to => theirs%to(:, near(j)))
+          associate (first => theirs%from(:, near(j)), last => theirs%to(:, near(j)))
             do q = 1, m
-              zeta(:, q) = from + zeta(:, q)*(to - from)
+              zeta(:, q) = first + zeta(:, q)*(last - first)
             end do
             call find_border(own, shape(k), part, contact%side(3 - k), shape(3 - k), &
-                             part_t(theirs%elem(near(j)), from, to), m, tag, corner, zeta, bend)
+                             part_t(theirs%elem(near(j)), first, last), m, tag, corner, zeta, bend)
           end associate
           do q = 1, m
             corner(:, q) = to_chart(flat, corner(:, q))
@@ -133,24 +181,24 @@ contains
           n = order_of_piece(rule, corner(:, :m), part, mine, i, theirs, near(j))
           call integrate_polygon(corner(:, :m), bend(:, :, :m), rule%g(:n, n), rule%w(:n, n), &
                                  rule%f(:, :n, n), rule%df(:, :n, n), npoint, point, weight)
-          call reserve(cells, npoint)
+          call reserve(points, npoint)
           do q = 1, npoint
             if (.not. abs(weight(q)) > 0.0_wp) cycle
-            cells%n = cells%n + 1
-            cells%elem(cells%n) = e
-            cells%xi(:, cells%n) = max(-1.0_wp, min(1.0_wp, from_chart(flat, point(:, q))))
-            call chart_point(own, reference, e, flat, to_chart(flat, cells%xi(:, cells%n)), x, a)
-            cells%weight(cells%n) = weight(q)*norm2(cross(a(:, 1), a(:, 2)))
-            cells%faced(cells%n) = theirs%elem(near(j))
-            cells%faced_xi(:, cells%n) = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
-            cells%foot(cells%n)%elem = cells%faced(cells%n)
-            cells%foot(cells%n)%xi = cells%faced_xi(:, cells%n)
+            points%n = points%n + 1
+            n = points%n
+            points%elem(n) = e
+            points%xi(:, n) = max(-1.0_wp, min(1.0_wp, from_chart(flat, point(:, q))))
+            call chart_point(own, reference, e, flat, to_chart(flat, points%xi(:, n)), x, a)
+            points%weight(n) = weight(q)*norm2(cross(a(:, 1), a(:, 2)))
+            points%faced(n) = theirs%elem(near(j))
+            points%faced_xi(:, n) = 0.5_wp*(theirs%from(:, near(j)) + theirs%to(:, near(j)))
+            points%foot(n)%elem = points%faced(n)
+            points%foot(n)%xi = points%faced_xi(:, n)
           end do
         end do
       end do
-      cells%first(e + 1:) = cells%n + 1
     end associate
-  end subroutine cut_cells
+  end subroutine cut_facets
 
   !> The quadrature rule of a contact.
   subroutine find_rule(contact, rule)
@@ -215,33 +263,51 @@ contains
   end function highest_degree
 
   !> Make room for further points.
-  subroutine reserve(cells, more)
-    type(cells_t), intent(inout) :: cells
+  subroutine reserve(points, more)
+    type(points_t), intent(inout) :: points
     integer, intent(in) :: more
-    type(cells_t) :: big
+    type(points_t) :: big
     integer :: n
 
-    if (allocated(cells%elem)) then
-      if (cells%n + more <= size(cells%elem)) return
+    if (allocated(points%elem)) then
+      if (points%n + more <= size(points%elem)) return
     end if
-    n = 2*(cells%n + more)
+    n = 2*(points%n + more)
     allocate (big%elem(n), big%xi(2, n), big%weight(n), big%foot(n), big%faced(n), &
               big%faced_xi(2, n))
-    if (allocated(cells%elem)) then
-      big%elem(:cells%n) = cells%elem(:cells%n)
-      big%xi(:, :cells%n) = cells%xi(:, :cells%n)
-      big%weight(:cells%n) = cells%weight(:cells%n)
-      big%foot(:cells%n) = cells%foot(:cells%n)
-      big%faced(:cells%n) = cells%faced(:cells%n)
-      big%faced_xi(:, :cells%n) = cells%faced_xi(:, :cells%n)
-    end if
-    call move_alloc(big%elem, cells%elem)
-    call move_alloc(big%xi, cells%xi)
-    call move_alloc(big%weight, cells%weight)
-    call move_alloc(big%foot, cells%foot)
-    call move_alloc(big%faced, cells%faced)
-    call move_alloc(big%faced_xi, cells%faced_xi)
+    if (allocated(points%elem)) call append_points(points, big)
+    call move_points(big, points)
   end subroutine reserve
+
+  !> Append points to a list that has room for them.
+  pure subroutine append_points(points, list)
+    type(points_t), intent(in) :: points
+    type(points_t), intent(inout) :: list
+    integer :: m, n
+
+    m = list%n
+    n = points%n
+    list%elem(m + 1:m + n) = points%elem(:n)
+    list%xi(:, m + 1:m + n) = points%xi(:, :n)
+    list%weight(m + 1:m + n) = points%weight(:n)
+    list%foot(m + 1:m + n) = points%foot(:n)
+    list%faced(m + 1:m + n) = points%faced(:n)
+    list%faced_xi(:, m + 1:m + n) = points%faced_xi(:, :n)
+    list%n = m + n
+  end subroutine append_points
+
+  !> Move a list of points and its memory.
+  pure subroutine move_points(from, to)
+    type(points_t), intent(inout) :: from, to
+
+    to%n = from%n
+    call move_alloc(from%elem, to%elem)
+    call move_alloc(from%xi, to%xi)
+    call move_alloc(from%weight, to%weight)
+    call move_alloc(from%foot, to%foot)
+    call move_alloc(from%faced, to%faced)
+    call move_alloc(from%faced_xi, to%faced_xi)
+  end subroutine move_points
 
   !> Orthonormal frame of a facet: two directions of its plane, and its normal.
   pure subroutine make_frame(x, normal, frame)

@@ -21,6 +21,7 @@
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
+  use base_threads, only: thread_count, this_thread
   use contact_active, only: pairs_t, need_pair
   use contact_cells, only: cells_t, cut_cells
   use contact_facets, only: facets_t, divide_surface
@@ -32,7 +33,7 @@ module contact_mortar
   use csr, only: block_matrix_t
   use mortar_control, only: find_pressures, need_lists, add_control_tangent
   use mortar_kernel, only: form_cells
-  use mortar_type, only: mortar_t, mortar_side_t, size_of_element
+  use mortar_type, only: crew_t, mortar_t, mortar_side_t, size_of_element
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
@@ -101,6 +102,7 @@ contains
         call project_points(contact, k, x, mortar%travel, mortar%reference(k), shape(3 - k), &
                             grid(3 - k), side)
         call find_pressures(contact, k, side, state%control(k))
+        if (slides) call find_slides(mortar, contact, k, state%rubbed(k))
         faced = 0
         slid = 0
         do i = 1, cells%n
@@ -110,10 +112,6 @@ contains
             call need_pair(pairs(k), faced(1), faced(2), step, grown)
           end if
           if (.not. (slides .and. side%p(i) > 0.0_wp)) cycle
-          if (side%slide(i) == 0) then
-            call find_slide(mortar, contact, k, i, state%rubbed(k))
-            call find_slide_functions(contact%side(3 - k), side, i)
-          end if
           if (side%slide(i) < 0 .or. all([cells%elem(i), side%slide(i)] == slid)) cycle
           slid = [cells%elem(i), side%slide(i)]
           call need_pair(pairs(k), slid(1), slid(2), step, grown)
@@ -167,12 +165,31 @@ contains
     type(shape_t), intent(in) :: shape        !! shape of the other side
     type(grid_t), intent(in) :: grid
     type(mortar_side_t), intent(inout) :: side
+    integer :: e
+
+    !$omp parallel do schedule(dynamic)
+    do e = 1, contact%side(k)%nelem
+      call project_element(contact, k, e, x, travel, reference, shape, grid, side)
+    end do
+    !$omp end parallel do
+  end subroutine project_points
+
+  !> Project the points of element e.
+  subroutine project_element(contact, k, e, x, travel, reference, shape, grid, side)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k, e
+    real(wp), intent(in) :: x(:, :), travel
+    type(shape_t), intent(in) :: reference, shape
+    type(grid_t), intent(in) :: grid
+    type(mortar_side_t), intent(inout) :: side
     real(wp) :: at(3), from(3)                ! from: the last projected point [L]
     integer :: i, j, first, last, nk
 
     last = 0
     associate (own => contact%side(k), cells => side%cells)
-      do i = 1, cells%n
+      first = own%first(e) - 1
+      nk = own%first(e + 1) - 1 - first
+      do i = cells%first(e), cells%first(e + 1) - 1
         associate (foot => cells%foot(i))
           if (side%seen(i) >= 0.0_wp .and. foot%elem > 0 .and. &
               .not. contact%control_penalty > 0.0_wp) then
@@ -183,14 +200,12 @@ contains
             side%seen(i) = travel
             cycle
           end if
-          first = own%first(cells%elem(i)) - 1
-          nk = own%first(cells%elem(i) + 1) - 1 - first
           at = 0.0_wp
           do j = 1, nk
             at = at + side%shp(j, i)*x(:, own%node(first + j))
           end do
           if (last > 0) then
-            if (cells%elem(last) /= cells%elem(i) .or. cells%faced(last) /= cells%faced(i)) last = 0
+            if (cells%faced(last) /= cells%faced(i)) last = 0
           end if
           if (last > 0) then
             associate (near => cells%foot(last))
@@ -212,7 +227,7 @@ contains
         end associate
       end do
     end associate
-  end subroutine project_points
+  end subroutine project_element
 
   !> Find, to first order, where the projection of a point moves when the point moves.
   pure subroutine move_foot(foot, from, to, xi)
@@ -242,6 +257,25 @@ contains
       if (.not. touches(foot, contact%depth)) foot%elem = 0
     end associate
   end subroutine project_again
+
+  !> Find the sliding points that are not known yet of the points of side k in contact.
+  subroutine find_slides(mortar, contact, k, rubbed)
+    type(mortar_t), intent(inout) :: mortar
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(friction_points_t), intent(in) :: rubbed
+    integer :: i
+
+    associate (side => mortar%side(k))
+      !$omp parallel do schedule(dynamic, 16)
+      do i = 1, side%cells%n
+        if (.not. (side%p(i) > 0.0_wp .and. side%slide(i) == 0)) cycle
+        call find_slide(mortar, contact, k, i, rubbed)
+        call find_slide_functions(contact%side(3 - k), side, i)
+      end do
+      !$omp end parallel do
+    end associate
+  end subroutine find_slides
 
   !> Find the sliding point of a point in contact. This is the position on the other side that the
   !! point faced at the start of the step, moved back by the elastic slip of the previous step. Also
@@ -443,27 +477,55 @@ contains
     logical, intent(in) :: tangent            !! .false.: forces only
     type(contact_state_t), intent(inout) :: state
     type(pairs_t), intent(in) :: pairs
-    type(work_t), intent(inout) :: work
+    type(work_t), intent(in) :: work          !! sizes and options of the work space of a thread
     type(block_matrix_t), intent(inout) :: a
     real(wp), intent(inout) :: f(:, :)        !! (3, nnode) internal forces [F]
     real(wp), intent(inout) :: rounding, largest !! see sweep_t
-    integer :: e
+    integer :: e, t
     logical :: owned                          ! this rank adds the tangent of the element
 
-    associate (own => contact%side(k), cells => mortar%side(k)%cells)
+    call prepare_crew(thread_count(), work, mortar%crew(k))
+    associate (own => contact%side(k), cells => mortar%side(k)%cells, crew => mortar%crew(k))
+      !$omp parallel do ordered schedule(static, 1) private(t, owned)
       do e = 1, own%nelem
-        if (cells%first(e) == cells%first(e + 1)) cycle
+        t = this_thread()
         owned = owns(e)
-        call form_cells(contact, k, e, x, merge(dt, -1.0_wp, mortar%fresh), mortar%slides, &
-                        tangent .and. owned, mortar%side(k), mortar%kernel, work)
-        if (work%npartner == 0) cycle
-        call scatter_element(contact, k, e, work, pairs, x, u, tangent .and. owned, state, a, f, &
-                             rounding, largest)
+        crew%work(t)%npartner = 0
+        if (cells%first(e) < cells%first(e + 1)) then
+          call form_cells(contact, k, e, x, merge(dt, -1.0_wp, mortar%fresh), mortar%slides, &
+                          tangent .and. owned, mortar%side(k), crew%kernel(t), crew%work(t))
+        end if
+        !$omp ordered
+        if (crew%work(t)%npartner > 0) then ! in the order of the elements
+          call scatter_element(contact, k, e, crew%work(t), pairs, x, u, tangent .and. owned, &
+                               state, a, f, rounding, largest)
+        end if
+        !$omp end ordered
       end do
+      !$omp end parallel do
     end associate
     mortar%fresh = .false.
     if (.not. (contact%control_penalty > 0.0_wp .and. tangent .and. is_root())) return
     call add_control_tangent(mortar%side(k), contact, k, x, work%secant, a)
   end subroutine add_mortar
+
+  !> Give each of n threads its work space.
+  subroutine prepare_crew(n, work, crew)
+    integer, intent(in) :: n
+    type(work_t), intent(in) :: work
+    type(crew_t), intent(inout) :: crew
+    integer :: t
+
+    if (allocated(crew%work)) then
+      if (size(crew%work) < n) deallocate (crew%work, crew%kernel)
+    end if
+    if (.not. allocated(crew%work)) then
+      allocate (crew%work(n), crew%kernel(n))
+      do t = 1, n
+        crew%work(t) = work
+      end do
+    end if
+    crew%work%secant = work%secant
+  end subroutine prepare_crew
 
 end module contact_mortar

@@ -3,7 +3,7 @@ module mortar_type
   use base_kinds, only: wp
   use contact_cells, only: cells_t
   use contact_pair, only: contact_t, surface_t
-  use contact_work, only: element_functions
+  use contact_work, only: element_functions, work_t
   use projection_search, only: grid_t
   use projection_type, only: shape_t
   use surface_geometry, only: update_shape
@@ -59,6 +59,12 @@ module mortar_type
     real(wp), allocatable :: k(:)              !! (max(nk, nl), nd, 3) a product [F/L]
   end type kernel_t
 
+  !> Work space of the threads that form elements of one side.
+  type, public :: crew_t
+    type(kernel_t), allocatable :: kernel(:)  !! (nthread)
+    type(work_t), allocatable :: work(:)      !! (nthread)
+  end type crew_t
+
   !> Work space of one contact.
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
@@ -74,7 +80,7 @@ module mortar_type
     type(shape_t) :: start(2)                 !! surfaces at the start of the step, with friction
     type(grid_t) :: start_grid(2)
     type(mortar_side_t) :: side(2)
-    type(kernel_t) :: kernel
+    type(crew_t) :: crew(2)                   !! for the elements of each side
   end type mortar_t
 
 contains
