@@ -16,7 +16,7 @@ module input_conditions
                       LOOSE_ADDED
   use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
   use input_surface, only: mark_surface, load_surface
-  use input_where, only: equally_near, warn_between, warn_far, warn_layers
+  use input_where, only: equally_near, warn_between, warn_far, warn_rigid, warn_layers
   use mesh, only: mesh_t, solid_nodes
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
@@ -193,6 +193,7 @@ contains
     if (any(on) .and. .not. allocated(r%surface)) then
       if (r%direction == 0) then
         call warn_far(mesh, r%at, findloc(on, .true., 1), r%place)
+        call warn_rigid(mesh, r%at, findloc(on, .true., 1), r%place)
         near = active
         call equally_near(mesh, r%at, near)
         if (.not. r%gap >= 0.0_wp) call warn_between(mesh, near, any(r%word == [R_CBOU, R_CDIS]), &

@@ -6,11 +6,11 @@ module input_resolve
   use base_log, only: warn
   use base_text, only: quoted, to_text
   use boundary, only: pressure_t
-  use curve_type, only: Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
+  use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
   use input_draft, only: draft_t
   use input_rigid, only: is_rigid_patch
-  use input_where, only: find_faces, find_nodes, body_index
+  use input_where, only: find_faces, find_nodes, body_index, mark_rigid
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use model, only: model_t
   use tensor, only: det3
@@ -106,6 +106,7 @@ contains
     type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     character(:), allocatable :: body
+    logical :: whole
     logical, allocatable :: on(:)
     integer :: i, j, n
 
@@ -124,9 +125,13 @@ contains
             call find_nodes(mesh, column%at, quantity%node, error, no_rigid=.false., &
                             all_near=any(quantity%id == [Q_FORCE, Q_TORQUE]))
             if (allocated(error)) call draft%errors%add(error)
-            if (any(quantity%id == [Q_FORCE, Q_TORQUE]) .and. allocated(column%at%body)) then
-              if (is_rigid_patch(draft, column%at%body)) then ! the whole reaction of its supports
+            if (any(quantity%id == [Q_FORCE, Q_TORQUE])) then
+              whole = allocated(column%at%body)
+              if (whole) whole = is_rigid_patch(draft, column%at%body)
+              if (whole) then ! the whole reaction of its supports
                 quantity%node = mesh%body(body_index(mesh, column%at%body))%node
+              else
+                call warn_part_of_rigid(mesh, quantity)
               end if
             end if
           end if
@@ -152,6 +157,22 @@ contains
       end do
     end do
   end subroutine resolve_curves
+
+  !> Warn about a sum of reactions over single nodes of a rigid patch. Only the sum over the whole
+  !! patch has a meaning, because its nodes may lie far from the surfaces that touch it.
+  subroutine warn_part_of_rigid(mesh, quantity)
+    type(mesh_t), intent(in) :: mesh
+    type(quantity_t), intent(in) :: quantity
+    logical, allocatable :: rigid(:)
+    integer :: n
+
+    call mark_rigid(mesh, rigid)
+    n = count(rigid(quantity%node))
+    if (n == 0) return
+    call warn(to_text(n)//' of these '//to_text(size(quantity%node))//' nodes belong to rigid ' &
+              //'patches; the forces at single nodes of a rigid patch have no meaning', &
+              quantity%place, 'name a face of the rigid patch to get its whole reaction')
+  end subroutine warn_part_of_rigid
 
   !> Find the first element that contains a reference point. `block` is 0 if there is none.
   subroutine locate_point(mesh, body, x, block, elem, xi)

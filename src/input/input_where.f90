@@ -11,7 +11,7 @@ module input_where
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
-  public :: equally_near, warn_between, warn_far, warn_layers
+  public :: equally_near, warn_between, warn_far, warn_rigid, warn_layers, mark_rigid
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
@@ -377,6 +377,26 @@ contains
     call warn(far_text(node, away)//', more than the size of an element ('//to_text(reach, 3) &
               //')', place, 'give a point in or on a body')
   end subroutine warn_far
+
+  !> Warn about a point that is nearer to a node of a rigid patch than to the selected node.
+  subroutine warn_rigid(mesh, x, node, place)
+    type(mesh_t), intent(in) :: mesh
+    real(wp), intent(in) :: x(3)       !! the point [L]
+    integer, intent(in) :: node        !! selected node
+    type(place_t), intent(in) :: place !! place of the point in the deck
+    logical, allocatable :: rigid(:)
+    real(wp) :: away
+    integer :: i
+
+    away = norm2(mesh%xr(:, node) - x)
+    if (away <= sqrt(POINT_GAP)*extent_of(mesh, mesh%used)) return ! no search is needed
+    call mark_rigid(mesh, rigid)
+    if (.not. any([(rigid(i) .and. norm2(mesh%xr(:, i) - x) < (1.0_wp - sqrt(POINT_GAP))*away, &
+                    i=1, mesh%nnode)])) return
+    call warn('the point is nearest to a node of a rigid patch, on which this word has no ' &
+              //'effect; it acts on node '//to_text(node)//', '//to_text(away, 3)//' away', place, &
+              'MOVE moves a rigid patch; give a point of a deformable body')
+  end subroutine warn_rigid
 
   function far_text(node, away) result(text)
     integer, intent(in) :: node
