@@ -24,6 +24,10 @@ module convergence
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2
   real(wp), parameter :: RESIDUAL = 1.0e-9_wp !! largest residual, relative to the largest nodal
   !! force
+  !> Largest residual of an increment whose energy passes the test, relative to the largest nodal
+  !! force and to the square root of the tolerance. It matters only if the largest energy of the
+  !! step belongs to an increment far away from the solution.
+  real(wp), parameter :: ENOUGH = 1.0e4_wp
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
   !> Relative rounding error of displacements. It is larger than FLOOR_OF_FORCE because the softest
   !! motion of a slender body magnifies rounding errors of the forces.
@@ -76,6 +80,9 @@ contains
     newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
     if (newton%converged .and. .not. is_newton_increment(newton)) then
       newton%converged = pass%residual <= force_tolerance(pass)
+    else if (newton%converged) then
+      newton%converged = pass%residual <= max(force_tolerance(pass), ENOUGH &
+                                              *sqrt(newton%tolerance)*pass%sweep%largest)
     end if
   end subroutine check_convergence
 
