@@ -86,7 +86,7 @@ contains
     if (present(corner)) call end_at_corner(control, corner, to)
     gap = to - time
     if (control%automatic) then
-      nstep = ceiling(gap/control%size*(1 - epsilon(1.0_wp)*64))
+      nstep = ceiling((gap*(1 - epsilon(1.0_wp)*64) - 4*spacing(to))/control%size) ! with rounding
       if (nstep > 1) then
         to = time + gap/nstep
         control%passed = 0
