@@ -4,8 +4,9 @@ module base_comm
   use, intrinsic :: iso_c_binding, only: c_char, c_int, c_null_char, c_size_t
   use base_kinds, only: wp, i8
   use base_system, only: finish
-  use mpi_f08, only: mpi_init, mpi_finalize, mpi_abort, mpi_comm_rank, mpi_comm_size, &
-                     mpi_comm_split_type, mpi_comm_free, mpi_ibarrier, mpi_test, mpi_bcast, &
+  use mpi_f08, only: mpi_init_thread, mpi_thread_funneled, mpi_finalize, mpi_abort, &
+                     mpi_comm_rank, mpi_comm_size, mpi_comm_split_type, mpi_comm_free, &
+                     mpi_ibarrier, mpi_test, mpi_bcast, &
                      mpi_allreduce, mpi_allgather, mpi_allgatherv, mpi_alltoallv, mpi_comm, &
                      mpi_request, mpi_comm_world, mpi_comm_type_shared, mpi_info_null, &
                      mpi_status_ignore, mpi_in_place, mpi_max, mpi_integer, mpi_character, &
@@ -68,8 +69,9 @@ contains
   subroutine start_comm()
     type(mpi_comm) :: here
     integer(c_int) :: fd, ignored
+    integer :: level
 
-    call mpi_init()
+    call mpi_init_thread(mpi_thread_funneled, level) ! only the first thread of a rank calls MPI
     call mpi_comm_rank(mpi_comm_world, rank0)
     call mpi_comm_size(mpi_comm_world, nrank)
     call mpi_comm_split_type(mpi_comm_world, mpi_comm_type_shared, 0, mpi_info_null, here)
