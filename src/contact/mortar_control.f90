@@ -255,7 +255,7 @@ contains
     real(wp), intent(in) :: x(:, :)
     logical, intent(in) :: secant            !! derivatives of friction are secants
     type(block_matrix_t), intent(inout) :: a
-    real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of the sum of w N g [L^2]
+    real(wp), allocatable :: slope(:, :)     ! (3, nodes) derivatives of a weighted gap [L^2]
     real(wp), allocatable :: rows(:, :)      ! (3, nodes) forces due to a unit pressure [L^2]
     integer, allocatable :: at(:)            ! (nnode) position of a node in a list
     real(wp) :: stiffness
@@ -292,9 +292,10 @@ contains
     end do
   end subroutine add_control_tangent
 
-  !> Find the derivatives of the sum of w N_c g of control point c with respect to the nodes that
-  !! the control point couples, and the forces on these nodes due to a unit pressure at the control
-  !! point, including the friction of points that slip.
+  !> Find the derivatives of the weighted gap of control point c, sum_i w_i N_c(xi_i) g_i over the
+  !! points of the cells (weights w, function N_c, gaps g), with respect to the positions of the
+  !! nodes that c couples. Also find the forces on these nodes due to a unit pressure at c, including
+  !! the friction of points that slip.
   subroutine vary_gap(side, contact, k, c, x, secant, at, slope, rows)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact

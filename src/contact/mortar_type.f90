@@ -36,7 +36,7 @@ module mortar_type
     integer, allocatable :: state(:)          !! (n) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: q(:), dq(:)      !! (ncontrol) pressure and its derivative
     real(wp), allocatable :: a(:)             !! (ncontrol) reference area of the overlap [L^2]
-    real(wp), allocatable :: volume(:)        !! (ncontrol) sum of w N g [L^3]
+    real(wp), allocatable :: volume(:)        !! (ncontrol) weighted gap, see mortar_control [L^3]
     integer, allocatable :: round_first(:)    !! (ncontrol+1) position in `round`
     integer, allocatable :: round(:)          !! elements around the control points
     type(node_list_t), allocatable :: known(:) !! (ncontrol) couplings of the current pattern

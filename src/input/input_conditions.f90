@@ -153,7 +153,7 @@ contains
 
     associate (u => bc%value(:, m), v => bc%value(:, n))
       do d = 1, 3
-        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! only one node gives it
+        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! not both have a value
         if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
                   //', for which DISPlacement prescribes '//to_text(u(d))//' and '//to_text(v(d)) &

@@ -258,10 +258,15 @@ contains
           allocate (has(max(s%nnode, k)), source=.false.)
           has(s%node(:s%first(s%nelem + 1) - 1)) = .true.
           if (.not. has(k)) then
-            call fail(error, DECK_ERROR, 'control point '//to_text(k)//' of spline ' &
-                      //quoted(spec%name)//' has no basis function', place, 'a master -k is ' &
-                      //'control point k of the surface; its control points are 1 to ' &
-                      //to_text(s%nnode))
+            if (k > s%nnode) then
+              call fail(error, DECK_ERROR, 'spline '//quoted(spec%name)//' has no control point ' &
+                        //to_text(k), place, 'a master -k is control point k of the surface; ' &
+                        //'its control points are 1 to '//to_text(s%nnode))
+            else
+              call fail(error, DECK_ERROR, 'no element of spline '//quoted(spec%name) &
+                        //' uses control point '//to_text(k), place, 'a master -k must be a ' &
+                        //'control point of an element of the surface')
+            end if
             return
           end if
           node(j) = mesh%body(size(mesh%body))%node(count(has(:k)))

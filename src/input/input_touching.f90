@@ -126,8 +126,8 @@ contains
         call warn('the rigid body '//body_name(mesh, skin%body(f))//' holds only some of the ' &
                   //'nodes of '//trim(mesh%block(s%block(e))%name)//' elements of ' &
                   //body_name(mesh, skin%body(e))//area, place_of(draft, mesh, skin, pair), &
-                  'the bodies come apart there: move this face with MOVE and without TIE, or use ' &
-                  //'a rigid body with a node at each node of the face')
+                  'the bodies come apart there: move the face of the deformable body with MOVE ' &
+                  //'and without TIE, or use a rigid body with a node at each node of this face')
       else
         call warn(body_name(mesh, skin%body(e))//' and '//body_name(mesh, skin%body(f)) &
                   //' share nodes'//area//' where the functions of their elements, ' &
