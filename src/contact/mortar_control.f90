@@ -294,8 +294,8 @@ contains
 
   !> Find the derivatives of the weighted gap of control point c, sum_i w_i N_c(xi_i) g_i over the
   !! points of the cells (weights w, function N_c, gaps g), with respect to the positions of the
-  !! nodes that c couples. Also find the forces on these nodes due to a unit pressure at c, including
-  !! the friction of points that slip.
+  !! nodes that c couples. Also find the forces on these nodes due to a unit pressure at c,
+  !! including the friction of points that slip.
   subroutine vary_gap(side, contact, k, c, x, secant, at, slope, rows)
     type(mortar_side_t), intent(in) :: side
     type(contact_t), intent(in) :: contact
