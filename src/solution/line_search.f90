@@ -12,6 +12,11 @@ module line_search
   !> A line search ends when the slope, relative to that at its start, is below this (FEAP).
   real(wp), parameter :: LINE_TOLERANCE = 0.8_wp
   integer, parameter :: LINE_TRIALS = 10
+  integer, parameter :: CLOSE_TRIALS = 40 !! largest number of trials of a search
+  integer, parameter :: FIRST_TRIALS = 3  !! trials by regula falsi before an interval is halved
+  real(wp), parameter :: CLOSE = 1.0e-3_wp !! a search ends in an interval of this relative width
+  !> Slopes at the ends of an interval are comparable if their ratio is below this.
+  real(wp), parameter :: COMPARABLE = 10.0_wp
   !> Unless all contacts use the mortar scheme, an increment overshoots if the residual grows, and
   !! the slope at its end has the sign opposite to that at its start and is more than this many
   !! times as large.
@@ -121,7 +126,10 @@ contains
   end function overshoots
 
   !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
-  !! the slope g at the fraction s; `sweep` is the result of the sweep at s.
+  !! the slope g at the fraction s; `sweep` is the result of the sweep at s. If a stiff contact
+  !! closes along the increment, the slope at the far end may be millions of times as large as that
+  !! at the start, and regula falsi hardly leaves the start: after a few trials, the interval is
+  !! halved until the slopes at its ends are comparable.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -130,16 +138,22 @@ contains
     real(wp), intent(inout) :: g, s
     type(sweep_t), intent(inout) :: sweep
     type(error_t), allocatable, intent(out) :: error
-    real(wp) :: ga, gb, sa, sb
+    real(wp) :: ga, gb, sa, sb, far
     integer :: i
 
     sa = 0.0_wp
     ga = g0
     sb = s
     gb = g
-    do i = 1, LINE_TRIALS
+    far = g
+    do i = 1, CLOSE_TRIALS
       if (.not. sweep%ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
-      s = sb - gb*(sb - sa)/(gb - ga)
+      if (sb - sa <= CLOSE*sb) exit
+      if (i > FIRST_TRIALS .and. abs(far) > COMPARABLE*abs(g0)) then
+        s = 0.5_wp*(sa + sb)
+      else
+        s = sb - gb*(sb - sa)/(gb - ga)
+      end if
       call slope(asm, model, state, dx, du, s, g, sweep, error)
       if (allocated(error)) return
       if (g*ga > 0.0_wp) then
@@ -149,6 +163,7 @@ contains
       else
         sb = s
         gb = g
+        far = g
         ga = 0.5_wp*ga
       end if
     end do
