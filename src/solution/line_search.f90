@@ -128,8 +128,8 @@ contains
   !> Search for a small slope by regula falsi with the Illinois modification. The search begins with
   !! the slope g at the fraction s; `sweep` is the result of the sweep at s. If a stiff contact
   !! closes along the increment, the slope at the far end may be millions of times as large as that
-  !! at the start, and regula falsi hardly leaves the start: after a few trials, the interval is
-  !! halved until the slopes at its ends are comparable.
+  !! at the start, and regula falsi hardly leaves the start. With the mortar scheme, the interval is
+  !! therefore halved after a few trials until the slopes at its ends are comparable.
   subroutine close_in(asm, model, state, dx, du, g0, g, s, sweep, error)
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
@@ -139,6 +139,7 @@ contains
     type(sweep_t), intent(inout) :: sweep
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: ga, gb, sa, sb, far
+    logical :: halves
     integer :: i
 
     sa = 0.0_wp
@@ -146,10 +147,11 @@ contains
     sb = s
     gb = g
     far = g
-    do i = 1, CLOSE_TRIALS
+    halves = size(model%contact) > 0 .and. all(model%contact%scheme == MORTAR)
+    do i = 1, merge(CLOSE_TRIALS, LINE_TRIALS, halves)
       if (.not. sweep%ok .or. abs(g) <= LINE_TOLERANCE*abs(g0) .or. ga*gb > 0.0_wp) exit
-      if (sb - sa <= CLOSE*sb) exit
-      if (i > FIRST_TRIALS .and. abs(far) > COMPARABLE*abs(g0)) then
+      if (halves .and. sb - sa <= CLOSE*sb) exit
+      if (halves .and. i > FIRST_TRIALS .and. abs(far) > COMPARABLE*abs(g0)) then
         s = 0.5_wp*(sa + sb)
       else
         s = sb - gb*(sb - sa)/(gb - ga)
