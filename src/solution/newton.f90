@@ -307,7 +307,9 @@ contains
 
     if (is_lost(newton%hold, model) .or. is_restless(newton%hold)) then
       pass%ok = .false.
-      pass%hopeless = is_lost(newton%hold, model) .and. .not. any(model%contact(:)%friction%given)
+      ! a smaller step may help if an increment of Newton's iteration has led past a contact
+      pass%hopeless = is_lost(newton%hold, model) .and. newton%iterations == 0 &
+                      .and. .not. any(model%contact(:)%friction%given)
       pass%trouble = lost_text(newton%hold)
       return
     end if
