@@ -14,10 +14,7 @@
 !! eps_1 of the penalty acts at points and resolves the edge of the contact area. If the penalty is
 !! stiff, the rest of it, eps_2, acts at control points, where it does not cause locking.
 !!
-!! Friction too acts at the points of the cells, so that its limit at a point is mu times the
-!! pressure at this point. When cells are cut, each new point is given an elastic slip that is
-!! interpolated from the points of the previous step in the same element. The sliding point of a new
-!! point is its projection at the start of the step, moved back by this elastic slip.
+!! Friction acts at the points of the cells, too (mortar_slide).
 module contact_mortar
   use base_comm, only: is_root, owns
   use base_kinds, only: wp
@@ -25,20 +22,20 @@ module contact_mortar
   use contact_active, only: pairs_t, need_pair
   use contact_cells, only: cells_t, cut_cells
   use contact_facets, only: facets_t, divide_surface
-  use contact_history, only: trail_behind, slide_beyond
-  use contact_pair, only: contact_t, contact_state_t, friction_points_t, is_integrated, surface_t
+  use contact_pair, only: contact_t, contact_state_t, is_integrated
   use contact_point, only: vary_projection
   use contact_scatter, only: scatter_element
-  use contact_work, only: work_t, element_functions, sliding_functions
+  use contact_work, only: work_t, element_functions
   use csr, only: block_matrix_t
   use mortar_control, only: find_pressures, need_lists, add_control_tangent
   use mortar_kernel, only: form_cells
+  use mortar_slide, only: find_slides
   use mortar_type, only: crew_t, mortar_t, mortar_side_t, size_of_element
   use projection, only: project
   use projection_search, only: grid_t, update_grid
   use projection_type, only: foot_t, shape_t, touches
-  use self_contact, only: project_on_itself, project_on_edge
-  use surface_geometry, only: update_shape, surface_point
+  use self_contact, only: project_on_itself
+  use surface_geometry, only: update_shape
   implicit none
   private
   public :: find_mortar, add_mortar
@@ -257,133 +254,6 @@ contains
       if (.not. touches(foot, contact%depth)) foot%elem = 0
     end associate
   end subroutine project_again
-
-  !> Find the sliding points that are not known yet of the points of side k in contact.
-  subroutine find_slides(mortar, contact, k, rubbed)
-    type(mortar_t), intent(inout) :: mortar
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k
-    type(friction_points_t), intent(in) :: rubbed
-    integer :: i
-
-    associate (side => mortar%side(k))
-      !$omp parallel do schedule(dynamic, 16)
-      do i = 1, side%cells%n
-        if (.not. (side%p(i) > 0.0_wp .and. side%slide(i) == 0)) cycle
-        call find_slide(mortar, contact, k, i, rubbed)
-        call find_slide_functions(contact%side(3 - k), side, i)
-      end do
-      !$omp end parallel do
-    end associate
-  end subroutine find_slides
-
-  !> Find the sliding point of a point in contact. This is the position on the other side that the
-  !! point faced at the start of the step, moved back by the elastic slip of the previous step. Also
-  !! interpolate the friction limit and the rate of slip of the previous step.
-  subroutine find_slide(mortar, contact, k, i, rubbed)
-    type(mortar_t), intent(inout) :: mortar
-    type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k, i
-    type(friction_points_t), intent(in) :: rubbed
-    type(foot_t) :: foot
-    real(wp) :: at(3), a(3, 2), b(3, 3), n(3), elastic(3), slip_rate, limit
-
-    associate (side => mortar%side(k), cells => mortar%side(k)%cells)
-      call surface_point(contact%side(k), mortar%start(k), cells%elem(i), cells%xi(:, i), at, a, b)
-      foot%elem = cells%foot(i)%elem
-      foot%xi = cells%foot(i)%xi
-      if (contact%self) then
-        call project_on_itself(contact, mortar%start(3 - k), mortar%reference(k), cells%elem(i), &
-                               cells%xi(:, i), foot)
-        if (foot%elem == 0 .and. foot%outer == 0) then ! the point came in over an edge of the body
-          foot%elem = cells%foot(i)%elem
-          foot%xi = cells%foot(i)%xi
-          call project_on_edge(contact, mortar%start(3 - k), cells%elem(i), cells%xi(:, i), foot)
-          foot%outer = foot%elem
-          foot%outer_xi = foot%xi
-          foot%elem = 0
-        end if
-      else
-        call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
-      end if
-      side%slide(i) = -1
-      if (foot%elem > 0) then
-        side%slide(i) = foot%elem
-        side%slide_xi(:, i) = foot%xi
-      else if (foot%outer > 0) then ! the point was beyond the border
-        side%slide(i) = foot%outer
-        side%slide_xi(:, i) = slide_beyond(contact%side(3 - k), mortar%start(3 - k), foot, at)
-        return
-      else
-        return
-      end if
-      call last_friction(rubbed, cells%elem(i), cells%xi(:, i), elastic, slip_rate, limit)
-      side%limit(i) = limit
-      side%ahead(i) = -1.0_wp
-      if (slip_rate > 0.0_wp) side%ahead(i) = slip_rate
-      if (.not. any(abs(elastic) > 0.0_wp)) return
-      n = foot%n
-      call trail_behind(contact%side(3 - k), mortar%start(3 - k), at, foot, &
-                        elastic - dot_product(elastic, n)*n, side%slide(i), side%slide_xi(:, i))
-    end associate
-  end subroutine find_slide
-
-  !> Functions of the other side at a sliding point.
-  subroutine find_slide_functions(other, side, i)
-    type(surface_t), intent(in) :: other
-    type(mortar_side_t), intent(inout) :: side
-    integer, intent(in) :: i
-    real(wp) :: dshp(2, size(side%slide_shp, 1))
-    integer :: n
-
-    if (side%slide(i) <= 0) return
-    n = other%first(side%slide(i) + 1) - other%first(side%slide(i))
-    call sliding_functions(other, side%slide(i), side%slide_xi(:, i), side%slide_shp(:n, i), &
-                           dshp(:, :n))
-  end subroutine find_slide_functions
-
-  !> Friction of the previous step at xi in element e: a mean over the points of the element, with
-  !! weights inversely proportional to the fourth power of the distance (Shepard 1968). A point that
-  !! has not moved keeps its values. The values change continuously with the cells, so that they do
-  !! not depend on rounding errors. All values are zero if the element had no points.
-  pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
-    type(friction_points_t), intent(in) :: rubbed
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)
-    real(wp), intent(out) :: elastic(3)       !! [L]
-    real(wp), intent(out) :: slip_rate        !! [L/T]
-    real(wp), intent(out) :: limit            !! [F/L^2]
-    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
-    integer :: low, high, middle, j
-    real(wp) :: w, total
-
-    low = 1
-    high = size(rubbed%elem) + 1
-    do while (low < high) ! the first point of element e
-      middle = (low + high)/2
-      if (rubbed%elem(middle) < e) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
-    elastic = 0.0_wp
-    slip_rate = 0.0_wp
-    limit = 0.0_wp
-    total = 0.0_wp
-    do j = low, size(rubbed%elem)
-      if (rubbed%elem(j) /= e) exit
-      w = 1.0_wp/((rubbed%xi(1, j) - xi(1))**2 + (rubbed%xi(2, j) - xi(2))**2 + SAME)**2
-      total = total + w
-      elastic = elastic + w*rubbed%elastic(:, j)
-      slip_rate = slip_rate + w*rubbed%slip_rate(j)
-      limit = limit + w*rubbed%limit(j)
-    end do
-    if (.not. total > 0.0_wp) return
-    elastic = elastic/total
-    slip_rate = slip_rate/total
-    limit = limit/total
-  end subroutine last_friction
 
   !> Cut the cells at the beginning of a step, and again if a surface has moved far enough since.
   subroutine recut(mortar, contact, x, step, trial, shape, grid)
