@@ -28,6 +28,9 @@ module convergence
   !! force and to the square root of the tolerance. It matters only if the largest energy of the
   !! step belongs to an increment far away from the solution.
   real(wp), parameter :: ENOUGH = 1.0e4_wp
+  !> The residual does not matter if the energy of the increment is at most this many times that of
+  !! rounding errors, as where a tool pushes a free body and the force of contact vanishes.
+  real(wp), parameter :: NEGLIGIBLE = 100.0_wp
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
   !> Relative rounding error of displacements. It is larger than FLOOR_OF_FORCE because the softest
   !! motion of a slender body magnifies rounding errors of the forces.
@@ -80,7 +83,7 @@ contains
     newton%converged = .not. moved .and. pass%energy <= energy_tolerance(newton, pass)
     if (newton%converged .and. .not. is_newton_increment(newton)) then
       newton%converged = pass%residual <= force_tolerance(pass)
-    else if (newton%converged) then
+    else if (newton%converged .and. pass%energy > NEGLIGIBLE*energy_floor(pass)) then
       newton%converged = pass%residual <= max(force_tolerance(pass), ENOUGH &
                                               *sqrt(newton%tolerance)*pass%sweep%largest)
     end if
@@ -108,9 +111,15 @@ contains
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
 
-    energy = max(newton%tolerance*newton%largest_energy, ROUNDING*pass%sweep%rounding, &
-                 pass%floor%energy)
+    energy = max(newton%tolerance*newton%largest_energy, energy_floor(pass))
   end function energy_tolerance
+
+  !> The part of |du.r| that is due to rounding alone.
+  pure real(wp) function energy_floor(pass) result(energy)
+    type(pass_t), intent(in) :: pass
+
+    energy = max(ROUNDING*pass%sweep%rounding, pass%floor%energy)
+  end function energy_floor
 
   !> Largest residual that passes the test.
   pure real(wp) function force_tolerance(pass) result(force)
