@@ -81,6 +81,11 @@ def add_part(name, bezel, folder, parts, keep):
     else:
         result["contact"] = bench_contact.time_contact(bezel, folder, result["missing"])
     result["kernels"] |= read_kernels(parts)
+    machine = runs.machine("".join(parts.values()))
+    result.setdefault("later", {})[name] = {
+        "date": datetime.date.today().isoformat(),
+        "machine": machine,
+    }
     return finish(result, folder, parts, keep)
 
 

@@ -51,6 +51,11 @@ def head(result):
         f"- Programs: {', '.join(sorted(versions))}",
         f"- Compiler and libraries: gfortran {m['gfortran']}, MUMPS {m['mumps']}, "
         f"OpenBLAS {m['openblas']} with its {m['blas_kernel']} kernels",
+        *(
+            f"- The part '{name}' and the kernels were recorded later, on {part['date']}: {part['machine']['cpu']}, "
+            f"{part['machine']['cores']} cores, OpenBLAS with its {part['machine']['blas_kernel']} kernels"
+            for name, part in result.get("later", {}).items()
+        ),
         *(f"- Not available: {text}" for text in result["missing"]),
     ]
     return "\n".join(lines) + "\n"
