@@ -182,7 +182,8 @@ contains
     end do
   end function overlap_found
 
-  !> The same at the end of the previous step.
+  !> Largest penetration of the mortar contacts at the end of the previous step, relative to the
+  !! size of the smallest facet. In contrast to overlap_found, it includes the corners of elements.
   pure real(wp) function overlap_accepted(work, state) result(overlap)
     type(contact_work_t), intent(in) :: work(:)
     type(state_t), intent(in) :: state
