@@ -6,11 +6,11 @@ module input_resolve
   use base_log, only: warn
   use base_text, only: quoted, to_text
   use boundary, only: pressure_t
-  use curve_type, only: quantity_t, Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
+  use curve_type, only: Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
   use element_type, only: cell_t
   use input_draft, only: draft_t
-  use input_rigid, only: is_rigid_patch
-  use input_where, only: find_faces, find_nodes, body_index, mark_rigid
+  use input_rigid, only: is_rigid_patch, warn_part_of_rigid
+  use input_where, only: find_faces, find_nodes, body_index
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use model, only: model_t
   use tensor, only: det3
@@ -157,22 +157,6 @@ contains
       end do
     end do
   end subroutine resolve_curves
-
-  !> Warn about a sum of reactions over single nodes of a rigid patch. Only the sum over the whole
-  !! patch has a meaning, because its nodes may lie far from the surfaces that touch it.
-  subroutine warn_part_of_rigid(mesh, quantity)
-    type(mesh_t), intent(in) :: mesh
-    type(quantity_t), intent(in) :: quantity
-    logical, allocatable :: rigid(:)
-    integer :: n
-
-    call mark_rigid(mesh, rigid)
-    n = count(rigid(quantity%node))
-    if (n == 0) return
-    call warn(to_text(n)//' of these '//to_text(size(quantity%node))//' nodes belong to rigid ' &
-              //'patches; the forces at single nodes of a rigid patch have no meaning', &
-              quantity%place, 'name a face of the rigid patch to get its whole reaction')
-  end subroutine warn_part_of_rigid
 
   !> Find the first element that contains a reference point. `block` is 0 if there is none.
   subroutine locate_point(mesh, body, x, block, elem, xi)

@@ -5,15 +5,17 @@
 module input_rigid
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_text, only: quoted
-  use curve_type, only: Q_MAX_DISP
+  use base_log, only: warn
+  use base_text, only: quoted, to_text
+  use curve_type, only: quantity_t, Q_MAX_DISP
   use input_draft, only: draft_t
-  use input_where, only: where_t, body_index, W_FACES, W_EDGE
+  use input_where, only: where_t, body_index, mark_rigid, W_FACES, W_EDGE
+  use mesh, only: mesh_t
   use model, only: model_t
   use word_patch, only: patch_named
   implicit none
   private
-  public :: is_rigid_patch, check_rigid, hold_rigid
+  public :: is_rigid_patch, check_rigid, hold_rigid, warn_part_of_rigid
 
 contains
 
@@ -101,5 +103,22 @@ contains
       end associate
     end do
   end subroutine hold_rigid
+
+  !> Warn about a sum of reactions over single nodes of a rigid patch. Only the sum over the whole
+  !! patch has a meaning, because its nodes may lie far from the surfaces that touch it.
+  subroutine warn_part_of_rigid(mesh, quantity)
+    type(mesh_t), intent(in) :: mesh
+    type(quantity_t), intent(in) :: quantity
+    logical, allocatable :: rigid(:)
+    integer :: n
+
+    call mark_rigid(mesh, rigid)
+    n = count(rigid(quantity%node))
+    if (n == 0) return
+    call warn(to_text(n)//' of these '//to_text(size(quantity%node))//' nodes belong to rigid ' &
+              //'patches; the forces at single nodes of a rigid patch have no meaning', &
+              quantity%place, 'FORCe of a CURVe with a face of the rigid patch gives its whole ' &
+              //'reaction')
+  end subroutine warn_part_of_rigid
 
 end module input_rigid

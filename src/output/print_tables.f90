@@ -3,6 +3,7 @@ module print_tables
   use base_error, only: error_t
   use base_kinds, only: wp
   use byte_file, only: byte_file_t, write_text, flush_bytes
+  use input_where, only: mark_rigid
   use mesh, only: is_rigid
   use model, only: model_t, state_t
   use point_values, only: reactions_at
@@ -47,6 +48,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
     real(wp), allocatable :: r(:, :)
+    logical, allocatable :: rigid(:)
     integer :: i
 
     allocate (r(3, model%mesh%nnode))
@@ -65,6 +67,10 @@ contains
            '   Energy: Displacements * Reactions = '//numbers([sum(state%u*r)])//LF
     if (any(abs(r(:, node) - state%reaction(:, node)) > 0.0_wp)) then
       text = text//'   Nodal forces (FORCe, EFORce, CFORce, CSURface) are included, as in FEAP'//LF
+    end if
+    call mark_rigid(model%mesh, rigid)
+    if (any(rigid(node))) then
+      text = text//'   Values at single nodes of rigid patches have no meaning, only their sum'//LF
     end if
     call write_text(file, text, error)
     if (.not. allocated(error)) call flush_bytes(file, error)

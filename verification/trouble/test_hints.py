@@ -153,6 +153,17 @@ class Contact(Folder):
         self.assertNotIn("warning:", self.run_bezel("--check", "tool.inp").stderr)
 
 
+class Rigid(Contact):
+    def test_forces_at_nodes_of_a_rigid_patch_are_told_to_be_meaningless(self):
+        """Node 0 at a point of both bodies is that of the block, whose record needs no warning."""
+        said, _ = self.run_deck("history_of_rigid")
+        self.assertEqual(said.count("warning:"), 1, said)
+        self.assertIn("REAC 1 3\n", said)
+        self.assertIn("hint: FORCe of a CURVe with a face of the rigid patch gives its whole", said)
+        note = "Values at single nodes of rigid patches have no meaning"
+        self.assertIn(note, (self.at / "history_of_rigid.out").read_text())
+
+
 class Sliding(Folder):
     def slide(self, *changes):
         """What the screen shows for a block that is pushed sideways."""
