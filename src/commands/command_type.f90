@@ -86,7 +86,8 @@ module command_type
     integer :: every = 0                        !! OUTPut: fields every n steps; 0: only by PLOT
     integer :: tplot_every = 1                  !! steps between rows of TPLOt's table
     logical :: prints = .true.                  !! PRINt and NOPRint
-    logical :: turn_warned = .false., strain_warned = .false. !! see command_watch
+    !> Warnings that were issued, see command_watch.
+    logical :: turn_warned = .false., strain_warned = .false., inverted_warned = .false.
     real(wp), allocatable :: closed_at          !! end of the last step, or start of the first
     logical :: corner_warned = .false.          !! see table_use, as for `acted` and `ended`
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step

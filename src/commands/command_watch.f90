@@ -1,5 +1,6 @@
 !> Warnings, from the steps that have been closed, about input that is probably not intended.
 module command_watch
+  use base_error, only: place_t
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: quoted, to_text
@@ -7,6 +8,8 @@ module command_watch
   use contact_assembly, only: friction_acts
   use contact_patch, only: warn_small_patches
   use energy_growth, only: warn_growth
+  use failure_text, only: element_name
+  use inverted_corners, only: inverted_t, find_inverted_corners
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
   use table_use, only: watch_tables, watch_tables_end
@@ -34,6 +37,7 @@ contains
     end associate
     if (.not. run%plan%turn_warned) call watch_rotations(run)
     if (.not. run%plan%strain_warned) call watch_strains(run)
+    if (.not. run%plan%inverted_warned) call watch_corners(run)
     call watch_tables(run)
   end subroutine watch_step
 
@@ -99,6 +103,30 @@ contains
       end associate
     end do
   end subroutine watch_strains
+
+  !> Warn about elements that are inside out at a corner.
+  subroutine watch_corners(run)
+    type(run_t), intent(inout) :: run
+    type(inverted_t) :: found
+    type(place_t) :: place
+    character(:), allocatable :: text
+
+    call find_inverted_corners(run%model, run%state%u, found)
+    if (found%nelem == 0) return
+    associate (mesh => run%model%mesh, block => run%model%mesh%block(found%block))
+      text = element_name(run%model, found%block, found%elem)//' is inside out at its corner ' &
+             //'('//to_text(found%x(1), 4)//', '//to_text(found%x(2), 4)//', ' &
+             //to_text(found%x(3), 4)//') in step '//to_text(run%state%step)//', at time ' &
+             //to_text(run%state%time)
+      if (found%nelem > 1) text = text//' (the worst of '//to_text(found%nelem)//' elements)'
+      place = run%model%material(block%material)%place
+      if (block%body > 0) place = mesh%body(block%body)%place
+    end associate
+    call warn(text//': the results there have no meaning, although they satisfy the equations at ' &
+              //'the integration points', place, 'take smaller steps before this time, or use ' &
+              //'smaller elements there')
+    run%plan%inverted_warned = .true.
+  end subroutine watch_corners
 
   !> At the end of a run, warn about loads and friction that never acted, and about results that the
   !! whole run has shown to be doubtful.

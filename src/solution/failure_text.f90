@@ -9,7 +9,7 @@ module failure_text
   use rigid_modes, only: free_body_t, find_free_bodies, motion_text
   implicit none
   private
-  public :: name_element, name_singularity
+  public :: element_name, name_element, name_singularity
 
   integer, parameter :: MOST = 4       !! largest number of dofs, and of bodies, in a message
 
@@ -21,13 +21,23 @@ contains
     type(sweep_t), intent(in) :: sweep
     character(:), allocatable :: text
 
-    associate (block => model%mesh%block(sweep%block))
-      text = trim(block%name)//' element '//to_text(block%number(sweep%elem))
-      if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
-      text = text//' is inverted'
-      if (block%row%nmode > 0) text = text//', or its enhanced modes are singular'
-    end associate
+    text = element_name(model, sweep%block, sweep%elem)//' is inverted'
+    if (model%mesh%block(sweep%block)%row%nmode > 0) then
+      text = text//', or its enhanced modes are singular'
+    end if
   end function name_element
+
+  !> Type, number and body of an element, such as: `Q1 element 3 of 'cube'`.
+  function element_name(model, b, e) result(text)
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: b, e !! block, and element in the block
+    character(:), allocatable :: text
+
+    associate (block => model%mesh%block(b))
+      text = trim(block%name)//' element '//to_text(block%number(e))
+      if (block%body > 0) text = text//" of '"//model%mesh%body(block%body)%name//"'"
+    end associate
+  end function element_name
 
   !> Name a singularity and the bodies that may have caused it, such as: `the tangent is singular at
   !! dof uy of node 3; nothing holds body 'ball', which can move along x, turn about z`.
