@@ -77,7 +77,7 @@ def grouped(s):
 
 
 def gmsh_text(body):
-    """Gmsh 2.2 ASCII: a physical group of all cells, and one for the plain faces of each set."""
+    """Gmsh 2.2 ASCII: a physical group of all cells, and one for the bilinear faces of each set."""
     lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat"]
     sets = plain_sets(body)
     names = ['3 1 "bulk"'] + [f'2 {tag} "{name}"' for tag, name in enumerate(sets, 2)]

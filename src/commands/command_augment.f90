@@ -87,8 +87,8 @@ contains
         end if
         call leave_loop(run%program)
       else if (is_last_pass(run%program)) then
-        call log_line('  last augmentation: pressures would still change by up to ' &
-                      //to_text(change)//' times the largest pressure')
+        call log_line('  no augmentation in the last pass: pressures would still change by ' &
+                      //'up to '//to_text(change)//' times the largest pressure')
       else
         do c = 1, size(contact)
           do k = 1, 2

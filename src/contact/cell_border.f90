@@ -1,11 +1,12 @@
 !> Borders of cells: moves the corners of a cell, a polygon with straight edges, to their exact
 !! positions, and bends its edges where the elements are curved.
 !!
-!! An edge of a cell lies on an edge of its own facet, which is straight in the chart of the element
-!! (surface_chart), or comes from an edge of a facet of the other side. In the second case, this
-!! module finds the points of this side that face that edge exactly: the line from such a point to
-!! the edge is normal to the other surface. At these points, projections change from one element to
-!! the next. Two cells that share an edge find the same points on it.
+!! Cells are cut from facets, the nearly flat parts of elements (contact_facets). An edge of a cell
+!! either lies on an edge of the facet from which the cell was cut, and is then straight in the
+!! chart of the element (surface_chart), or comes from an edge of a facet of the other side. In the
+!! second case, this module finds the points of this side that face that edge exactly: the line from
+!! such a point to the edge is normal to the other surface. At these points, projections change from
+!! one element to the next. Two cells that share an edge find the same points on it.
 module cell_border
   use base_kinds, only: wp
   use contact_pair, only: surface_t

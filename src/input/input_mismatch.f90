@@ -72,8 +72,8 @@ contains
     if (unequal%n > 0) then
       call warn(text_of(mesh, faces, unequal)//' elements that do not match them', &
                 place_of(draft, mesh, faces, unequal), 'displacements agree only at the nodes, ' &
-                //'and stresses near these faces are wrong: use faces with equal nodes, or ' &
-                //'bodies joined by CONTact with COHEsive')
+                //'and stresses near these faces are wrong: use elements whose faces have ' &
+                //'the same nodes, or join the bodies by CONTact with COHEsive')
     end if
   end subroutine warn_mismatch
 

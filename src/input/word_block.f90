@@ -170,9 +170,9 @@ contains
     if (spec%type == BRICK_27) then
       do d = 1, 3
         if (mod(spec%n(d), 2) == 0) cycle
-        call fail(error, DECK_ERROR, 'the number of increments of a BLOCk of 27-node bricks in ' &
+        call fail(error, DECK_ERROR, 'the number of intervals of a BLOCk of 27-node bricks in ' &
                   //'direction '//to_text(d)//' is '//to_text(spec%n(d)), record%place(1), &
-                  'give an even number: each brick spans two increments')
+                  'give an even number: each brick spans two intervals')
         return
       end do
     end if

@@ -192,7 +192,8 @@ contains
       if (allocated(error)) return
       if (entry%at(k)%type /= W_FACES .and. entry%at(k)%type /= W_GROUP) then
         call fail(error, DECK_ERROR, 'a side of a contact is not a face of a patch', &
-                  entry%at(k)%place, SURFACE_USAGE//'; SIDEs and ALL stand for several faces')
+                  entry%at(k)%place, SURFACE_USAGE &
+                  //'; a side may also be SIDEs, ALL or a named group')
         return
       end if
     end do

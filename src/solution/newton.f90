@@ -125,8 +125,8 @@ contains
   end subroutine form_system
 
   !> Has a prescribed or predicted motion inverted an element, or pushed surfaces too deep into each
-  !! other? Contact would push back such a motion with the whole penalty, often beyond the reach of
-  !! Newton's iteration.
+  !! other? The contact forces of such a penetration are so large that the next increment often
+  !! leaves the range in which Newton's iteration converges.
   pure logical function is_too_far(newton, sweep) result(yes)
     type(newton_t), intent(in) :: newton
     type(sweep_t), intent(in) :: sweep

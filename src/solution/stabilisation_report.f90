@@ -69,8 +69,8 @@ contains
              //percent(share)//' of the work'
     if (rubs) then
       call warn(start//'contact and friction offer no further resistance to some motions: '//names &
-                //shares, hint='where all points slide, friction has reached its limit: support ' &
-                //'the bodies against these motions, or use smaller steps, in which points stick')
+                //shares, hint='if all points slide, friction has reached its limit: support the ' &
+                //'bodies against these motions, or try smaller steps, in which some may stick')
     else
       call warn(start//'contact does not prevent motions along which no load acts: '//names &
                 //shares, hint='support the bodies against these motions, or add friction')

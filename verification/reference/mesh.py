@@ -103,7 +103,7 @@ def tensor_block(spaces, points, grid):
 
 
 def tensor_patch(spaces, points):
-    """A patch of splines in all directions: Q1, Q2 or IGAp."""
+    """A patch whose functions are products of splines: Q1, Q2, or IGA of any degree."""
     shape = tuple(s.size for s in spaces)
     grid = np.arange(np.prod(shape)).reshape(shape)
     parameters = np.stack(np.meshgrid(*[s.greville for s in spaces], indexing="ij"), axis=-1)
