@@ -11,7 +11,9 @@ module friction_limit
   use base_text, only: to_text
   use contact_pair, only: contact_t, surface_t
   use contact_type, only: MU
-  use model, only: model_t
+  use external_load, only: load_rates
+  use load_curve, only: table_factor
+  use model, only: model_t, state_t
   use projection_type, only: shape_t
   use rigid_modes, only: free_body_t, is_within_body
   use stabilisation_report, only: direction_text
@@ -24,17 +26,45 @@ module friction_limit
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
   real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m in a supported direction
   real(wp), parameter :: MORE = 1.0e-3_wp   !! [rad] angle beyond the cone that counts as rounding
+  real(wp), parameter :: NEAR = 0.9_wp      !! part of the angle of the cone that is near its limit
 
 contains
 
-  !> Name the first body that friction cannot hold, and say how it slides; empty if there is none.
-  function sliding_text(model, body, x, load) result(text)
+  !> Name a body that friction cannot hold, and say how it slides; empty if there is none. If the
+  !! loads of the failed step are only near the limit of friction, those at a later time are
+  !! examined, because the last step before the limit often fails.
+  function sliding_text(model, state, body, load, ahead) result(text)
     type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
     type(free_body_t), intent(in) :: body(:) !! bodies that only contact can hold
+    real(wp), intent(in) :: load(:, :)       !! (3, nnode) loads of the failed step [F]
+    real(wp), intent(in) :: ahead            !! the later time
+    character(:), allocatable :: text
+    type(state_t) :: start
+    real(wp), allocatable :: x(:, :), later(:, :)
+    integer :: i
+
+    allocate (x, source=model%mesh%xr + state%u_step)
+    text = slide_under(model, body, x, load, 1.0_wp)
+    if (len(text) > 0 .or. .not. ahead > state%time) return
+    if (len(slide_under(model, body, x, load, NEAR)) == 0) return
+    start%u = state%u_step
+    allocate (later, mold=load)
+    call load_rates(model, start, [(table_factor(state%table(i), ahead), i=1, size(state%table))], &
+                    later)
+    text = slide_under(model, body, x, later, 1.0_wp)
+    if (len(text) > 0) text = 'at time '//to_text(ahead)//', '//text
+  end function sliding_text
+
+  !> Name the first body whose loads are beyond a part of the cone of friction.
+  function slide_under(model, body, x, load, part) result(text)
+    type(model_t), intent(in) :: model
+    type(free_body_t), intent(in) :: body(:)
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) positions at the start of the step [L]
     real(wp), intent(in) :: load(:, :)       !! (3, nnode) [F]
+    real(wp), intent(in) :: part             !! this part of the angle of the cone
     character(:), allocatable :: text
-    real(wp) :: m(3), r(3), along(3), spread, largest
+    real(wp) :: m(3), r(3), along(3), spread, largest, limit
     integer :: b, i
 
     text = ''
@@ -50,15 +80,16 @@ contains
       if (i <= 3) cycle
       along = r - dot_product(r, m)*m
       if (.not. dot_product(r, m) > 0.0_wp) cycle
-      if (spread + atan(largest) >= RIGHT_ANGLE) cycle
-      if (.not. atan2(norm2(along), dot_product(r, m)) > spread + atan(largest) + MORE) cycle
+      limit = spread + atan(largest)
+      if (limit >= RIGHT_ANGLE) cycle
+      if (.not. atan2(norm2(along), dot_product(r, m)) > part*limit + MORE) cycle
       text = body(b)%name//' slides along '//direction_text(-along)//', where only friction ' &
              //'holds it: its loads tangential to the contact are ' &
              //to_text(norm2(along)/dot_product(r, m), 3)//' times its normal loads, but ' &
              //'friction can resist at most '//to_text(largest, 3)//' times the normal loads'
       return
     end do
-  end function sliding_text
+  end function slide_under
 
   !> The mean direction m in which contacts push a body, the largest angle between m and the
   !! directions of single points, and the largest coefficient of friction, which is zero if no

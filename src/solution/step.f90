@@ -79,6 +79,7 @@ contains
     end if
     step%retry = .false.
     if (present(left)) then
+      step%loop_end = step%control%origin + (step%control%target + left)*step%control%dt
       call begin_increment(step, model, state, left)
     else
       call open_step(state, state%time)
@@ -251,12 +252,14 @@ contains
     type(place_t), intent(in) :: place
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: cuts, hint, slides
+    real(wp) :: ahead
 
     slides = ''
     if (allocated(step%newton%asm%f_ext) .and. allocated(step%newton%hold%body) .and. &
         .not. (step%pass%hopeless .or. state%dynamics%on)) then
-      slides = sliding_text(model, step%newton%hold%body, model%mesh%xr + state%u_step, &
-                            step%newton%asm%f_ext)
+      ahead = state%time
+      if (step%timed .and. .not. step%newton%constraint%on) ahead = step%loop_end
+      slides = sliding_text(model, state, step%newton%hold%body, step%newton%asm%f_ext, ahead)
     end if
     associate (pass => step%pass, ncut => step%cutbacks)
       cuts = ''
@@ -293,8 +296,8 @@ contains
       end if
       if (len(slides) > 0) then
         hint = 'support the body against this motion with FIX or MOVE, or give a larger ' &
-               //'coefficient of friction; smaller steps do not help beyond the load that ' &
-               //'friction can bear'
+               //'coefficient of friction; smaller steps do not help near and beyond the load ' &
+               //'that friction can bear'
         slides = '; '//slides
       end if
     end associate

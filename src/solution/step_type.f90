@@ -43,6 +43,7 @@ module step_type
     logical :: exhausted = .false.       !! the step has been cut to dtmin without secants
     integer :: start_step = 0            !! number and time of the state at the start of the step
     real(wp) :: start_time = 0.0_wp
+    real(wp) :: loop_end = 0.0_wp        !! time of the last target of the loop over time
     integer :: start_iterations = 0      !! total number of iterations when the step began
     logical :: start_held = .false.      !! an earlier step had to stabilise a body
     type(step_totals_t) :: total
