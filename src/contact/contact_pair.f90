@@ -90,7 +90,7 @@ module contact_pair
     type(contact_law_t) :: law
     real(wp) :: prop(MAX_LAW_PROP) = 0.0_wp  !! for its columns see contact_type or the law's file
     logical :: auto = .false.                !! the penalty follows from stiffness and element size
-    real(wp) :: factor = 1.0_wp              !! factor given with AUTO [-]
+    real(wp) :: factor = 1.0_wp !! NORMal: the penalty, relative to that of AUTO alone [-]
     character(:), allocatable :: account     !! how AUTO found the penalty
     real(wp) :: tau = 0.0_wp                 !! time of VISCous [T]; 0: no VISCous
   end type assigned_law_t

@@ -7,7 +7,8 @@ module contact_report
   use contact_bond, only: find_broken_bonds, find_opened_bonds
   use contact_history, only: had_touched
   use contact_patch, only: follow_patch
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, MORTAR
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, HALFPASS, &
+                          MORTAR
   use contact_resultant, only: resultant_t, side_resultant
   use contact_sweep, only: find_sweep
   use contact_type, only: OPEN, STICK
@@ -104,6 +105,7 @@ contains
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     type(resultant_t) :: side(2)
+    character(:), allocatable :: hint
     real(wp) :: largest, deepest
     integer :: c, k
 
@@ -128,24 +130,27 @@ contains
         now%deepest = max(now%deepest, deepest)
         if (now%balance > UNBALANCED .and. .not. now%balance_warned) then
           now%balance_warned = .true.
+          hint = 'use smaller elements'
+          if (contact%scheme == HALFPASS) then
+            hint = 'with HALFpass, they differ on coarse or unequal meshes: remove this scheme'
+          end if
           call warn("contact '"//contact%name//"': the forces on its two sides differ by " &
-                    //to_text(100*now%balance, 3)//' %', contact%place, &
-                    'with HALFpass, they differ on coarse or unequal meshes: remove this scheme')
+                    //to_text(100*now%balance, 3)//' %', contact%place, hint)
         end if
         if (contact%friction%given .and. .not. now%friction_warned) then
           if (is_soft(contact, now, state%u)) then
             now%friction_warned = .true.
+            hint = 'use a stiffer penalty in FRICtion'
+            if (contact%friction%auto) hint = 'use a stiffer penalty in NORMal or FRICtion'
             call warn("contact '"//contact%name//"': the elastic slip is more than half of " &
-                      //'the motion, so friction hardly acts', contact%place, 'use a stiffer ' &
-                      //'penalty in FRICtion or, if its penalty is AUTO, in NORMal')
+                      //'the motion, so friction hardly acts', contact%place, hint)
           end if
         end if
         if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
           now%penetration_warned = .true.
           call warn("contact '"//contact%name//"': surfaces penetrate by " &
                     //to_text(100*deepest, 3)//' % of the width of an element or of the ' &
-                    //'thickness of a body', contact%place, &
-                    "use a stiffer penalty, such as 'NORMal PENAlty AUTO 10', or a finer mesh")
+                    //'thickness of a body', contact%place, stiffer(contact))
         end if
       end associate
     end do
@@ -176,7 +181,7 @@ contains
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    character(:), allocatable :: stiffer
+    integer :: c
 
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
@@ -186,13 +191,23 @@ contains
                 //'smaller steps until they meet, or move the bodies apart at the start')
       return
     end if
-    stiffer = 'NORMal PENAlty AUTO'
-    if (all(model%contact%normal%auto)) stiffer = stiffer//' 10'
+    c = maxloc([(sum(state%contact(c)%pressed), c=1, size(model%contact))], 1)
     call warn('penetration absorbs '//to_text(100*state%energy%penetration_share, 3) &
               //' % of the work of supports and loads: the penalty is too soft', &
-              model%contact(1)%place, "use a stiffer penalty, such as '"//stiffer &
-              //"', or a finer mesh")
+              model%contact(c)%place, stiffer(model%contact(c)))
   end subroutine warn_soft_penalty
+
+  !> Hint: the penalty of AUTO or, if it is stiffer, ten times the penalty of the deck.
+  function stiffer(contact) result(hint)
+    type(contact_t), intent(in) :: contact
+    character(:), allocatable :: hint
+    real(wp) :: factor
+
+    factor = 10*contact%normal%factor
+    hint = "use a stiffer penalty, such as 'NORMal PENAlty AUTO"
+    if (factor > 1.0_wp) hint = hint//' '//to_text(factor, 2)
+    hint = hint//"', or a finer mesh"
+  end function stiffer
 
   !> The smallest of the thicknesses of both sides and of the mean widths of the elements of those
   !! sides that are not rigid [L].

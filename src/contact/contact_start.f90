@@ -116,8 +116,8 @@ contains
           k = merge(1, 2, contact%side(2)%rigid)
           call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
                     //contact%side(k)%name//' at the start, so contact does not act there', &
-                    contact%place, 'remove SCHEme to use the default scheme, or use ' &
-                    //"smaller elements or more points, such as 'QUADrature 10 10'")
+                    contact%place, scheme_hint(contact)//'use smaller elements or '//more_points( &
+                    contact))
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
                     //'penetrate the other side at the start, by up to ' &
@@ -162,9 +162,9 @@ contains
     area = [(sum(state%side(k)%area0, mask=state%side(k)%bond > 0), k=1, 2)]
     if (.not. maxval(area) - minval(area) > UNEQUAL*maxval(area)) return
     call warn("contact '"//contact%name//"': the bonded areas of its two sides differ (" &
-              //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use more ' &
-              //"points, such as 'QUADrature 10 10', or elements whose borders follow the edge " &
-              //'of the bonded area')
+              //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use ' &
+              //more_points(contact)//', or elements whose borders follow the edge of the bonded ' &
+              //'area')
   end subroutine warn_unequal_bonds
 
   !> Warn about bonds that soften from the start, because the initial gap between two surfaces
@@ -184,6 +184,26 @@ contains
               //'the start: bring the surfaces together, bond fewer points with a smaller GAP, ' &
               //'or give a larger opening in COHEsive')
   end subroutine warn_opened
+
+  !> Part of a hint: at least twice as many integration points as the deck has.
+  function more_points(contact) result(text)
+    type(contact_t), intent(in) :: contact
+    character(:), allocatable :: text
+    character(:), allocatable :: n
+
+    n = to_text(max(10, 2*maxval(contact%ngauss)))
+    text = "more points, such as 'QUADrature "//n//' '//n//"'"
+  end function more_points
+
+  !> Part of a hint: use MORTar, the default without bonds, BORDer and REFIne.
+  function scheme_hint(contact) result(text)
+    type(contact_t), intent(in) :: contact
+    character(:), allocatable :: text
+
+    text = ''
+    if (contact%cohesive%given .or. contact%taper > 0.0_wp .or. contact%ncell > 1) return
+    text = 'remove SCHEme to use the default scheme, or '
+  end function scheme_hint
 
   !> Hint: what to do if the faces of a contact point the wrong way.
   function facing_hint(mesh, contact) result(hint)

@@ -212,7 +212,11 @@ contains
                                  //s%name//', E = '//to_text(stiffness)//', h = '//to_text(h)
       end associate
     end do
-    if (contact%normal%auto) contact%normal%prop(PENALTY) = contact%normal%factor*usual
+    if (contact%normal%auto) then
+      contact%normal%prop(PENALTY) = contact%normal%factor*usual
+    else
+      contact%normal%factor = contact%normal%prop(PENALTY)/usual
+    end if
     if (contact%scheme == MORTAR) then
       contact%control_penalty = max(0.0_wp, contact%normal%prop(PENALTY) - LOCKS*usual)
       if (contact%control_penalty < ROUNDING*usual) contact%control_penalty = 0.0_wp

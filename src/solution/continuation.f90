@@ -11,6 +11,7 @@ module continuation
                                controls_arc, begin_arc, adapt_arc, note_release, runs_back, &
                                opens_again, cut_arc, constrain_release, constrain_arc, &
                                is_all_released
+  use contact_pair, only: BALANCED
   use dynamics_type, only: new_dynamics, BACKWARD_EULER
   use load_curve, only: next_corner, next_extremum
   use inertia, only: mass_t, find_masses, energy_of_rate
@@ -317,9 +318,11 @@ contains
     hint = 'use smaller steps: DT with a smaller dt and more passes of the loop, and AUTO with ' &
            //'dtmax = dt'
     if (size(model%contact) > 0) then
-      hint = 'contact has produced energy (see BOOK CREAted), so later results are unreliable; ' &
-             //'if a body is peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
-             //'BALAnced'
+      hint = 'contact has produced energy (see BOOK CREAted), so later results are unreliable'
+      if (.not. all(model%contact%taper > 0.0_wp .and. model%contact%scheme == BALANCED)) then
+        hint = hint//'; if a body is peeled off completely, use NORMal ... BORDer 0.2 and SCHEme ' &
+               //'BALAnced'
+      end if
     end if
     call warn('step '//to_text(state%step)//': the kinetic energy is ' &
               //to_text(state%energy%kinetic)//', but the work done is only ' &

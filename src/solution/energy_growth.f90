@@ -14,6 +14,7 @@ module energy_growth
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text
+  use dynamics_type, only: BACKWARD_EULER
   use energy_balance, only: contact_energy_of, energy_at_start, stored_energy
   use inertia, only: energy_of_rate
   use model, only: model_t, state_t
@@ -70,16 +71,20 @@ contains
   !> At the end of a run, warn if the motion has gained energy.
   subroutine warn_growth(state)
     type(state_t), intent(in) :: state
+    character(:), allocatable :: hint
 
     associate (energy => state%energy)
       if (.not. energy%growth > GROWTH*energy%largest) return
+      hint = 'an impact needs steps in which the bodies penetrate only a little: use DT with a ' &
+             //'smaller dt'
+      if (state%dynamics%method /= BACKWARD_EULER) then
+        hint = hint//', or TRANsient,BACK, which dissipates energy'
+      end if
       call warn('the motion has gained energy: at time '//to_text(energy%growth_time) &
                 //' bodies, contacts and motion together contain '//to_text(energy%growth, 3) &
                 //' more energy than loads and supports have supplied, ' &
                 //to_text(100*energy%growth/energy%largest, 3) &
-                //' % of the largest energy of the run', hint='an impact needs steps in which ' &
-                //'the bodies penetrate only a little: use DT with a smaller dt, or ' &
-                //'TRANsient,BACK, which dissipates energy')
+                //' % of the largest energy of the run', hint=hint)
     end associate
   end subroutine warn_growth
 

@@ -29,9 +29,10 @@ contains
     type(anchors_t), intent(in) :: anchors
     real(wp), intent(in) :: scale        !! sum of all loads [F]
     real(wp), allocatable :: q(:, :), force(:, :), du(:, :)
-    character(:), allocatable :: start, names, shares
+    character(:), allocatable :: start, names, shares, more
     real(wp) :: motion(6, size(hold%body)), load, share
-    logical :: rubs
+    logical :: rubs, waits               ! friction acts on such a body; it acts only later
+    logical :: acts(size(model%contact)) ! friction acts in this contact
     integer :: b
 
     if (.not. hold%used) return
@@ -56,12 +57,15 @@ contains
     hold%warned_energy = share > MUCH
     names = ''
     rubs = .false.
+    waits = .false.
+    acts = [(friction_acts(model%contact(b), state), b=1, size(model%contact))]
     do b = 1, size(hold%body)
       call span_of(anchors%motion, b, q)
       if (size(q, 2) == 0) cycle
       if (len(names) > 0) names = names//'; '
       names = names//hold%body(b)%name//' can '//motion_text(q, ROUGH)
-      rubs = rubs .or. has_friction(model, state, hold%body(b)%node)
+      rubs = rubs .or. is_on_body(model, acts, hold%body(b)%node)
+      waits = waits .or. is_on_body(model, model%contact%friction%given, hold%body(b)%node)
     end do
     call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
     if (scale > 0.0_wp) load = load/scale
@@ -72,29 +76,31 @@ contains
                 //shares, hint='if all points slide, friction has reached its limit: support the ' &
                 //'bodies against these motions, or try smaller steps, in which some may stick')
     else
+      more = 'add friction'
+      if (waits) more = 'let friction act earlier (AFTEr)'
       call warn(start//'contact does not prevent motions along which no load acts: '//names &
-                //shares, hint='support the bodies against these motions, or add friction')
+                //shares, hint='support the bodies against these motions, or '//more)
     end if
   end subroutine report_stabilisation
 
-  !> Does friction act on a body?
-  pure logical function has_friction(model, state, node)
+  !> Does a body take part in one of the marked contacts?
+  pure logical function is_on_body(model, marked, node)
     type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
+    logical, intent(in) :: marked(:) !! (ncontact)
     integer, intent(in) :: node(:) !! nodes of the body
     logical :: inside(model%mesh%nnode)
     integer :: c, k
 
     inside = .false.
     inside(node) = .true.
-    has_friction = .false.
+    is_on_body = .false.
     do c = 1, size(model%contact)
-      if (.not. friction_acts(model%contact(c), state)) cycle
+      if (.not. marked(c)) cycle
       do k = 1, 2
-        has_friction = has_friction .or. any(inside(model%contact(c)%side(k)%node))
+        is_on_body = is_on_body .or. any(inside(model%contact(c)%side(k)%node))
       end do
     end do
-  end function has_friction
+  end function is_on_body
 
   !> A share in per cent; a share that is due to rounding is shown as less than 1e-6 %.
   function percent(share) result(text)

@@ -16,6 +16,7 @@ module step
   use base_text, only: to_text
   use contact_missed, only: follow_gaps
   use contact_pair, only: HALFPASS, MORTAR
+  use contact_type, only: SMOOTHING
   use contact_report, only: report_contact_changes, measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
   use continuation_type, only: PATH_OFF
@@ -116,6 +117,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     outcome = STEP_REWOUND
+    step%searches = searches
     call solve_system(step%newton, model, state, searches, step%pass, error)
     do while (.not. allocated(error) .and. step%pass%ok .and. step%newton%secant%on)
       if (largest(merge(1, 0, stop_requested())) > 0) exit
@@ -265,22 +267,7 @@ contains
       cuts = ''
       if (ncut > 0) cuts = ' after '//to_text(ncut)//trim(merge(' cut-back ', ' cut-backs', &
                                                                 ncut == 1))
-      hint = ''
-      if (pass%worst(2) > 0) then
-        hint = 'residual '//to_text(pass%residual)//', largest at node '//to_text(pass%worst(2)) &
-               //', dof u'//'xyz' (pass%worst(1):pass%worst(1))//'; '
-      end if
-      hint = hint//'smaller steps may help: '
-      if (.not. step%timed) hint = hint//'apply the loads in steps (PROP, DT and a loop with ' &
-                                   //'TIME) with '
-      hint = hint//'AUTO,,dtmin,dtmax'
-      if (step%control%automatic .and. step%timed) hint = hint//' with a smaller dtmin'
-      if (size(model%contact) > 0 .and. ncut > 1) then
-        hint = hint//'; if contact points open and close in turn at an edge or where the gap is ' &
-               //'zero, no step is small enough: '
-        if (any(model%contact%scheme == HALFPASS)) hint = hint//'remove SCHEme HALFpass, or '
-        hint = hint//'use UTAN,LINE,1 or NORMal ... SMOOth d'
-      end if
+      hint = usual_hint(step, model)
       if (.not. step%newton%exact) then
         hint = 'TANG leaves out the unsymmetric part of the tangent: use UTAN,,1; '//hint
       end if
@@ -291,8 +278,10 @@ contains
       end if
       if (pass%solve%singular .or. pass%hopeless) then
         hint = 'support the model: FIX or MOVE for patches; BOUN, EBOU or CBOU for nodes'
-        if (.not. pass%solve%singular) hint = hint//'; or check the faces of the contacts, or ' &
-                                              //'add friction'
+        if (.not. pass%solve%singular) then
+          hint = hint//'; or check the faces of the contacts'
+          if (.not. all(model%contact%friction%given)) hint = hint//', or add friction'
+        end if
       end if
       if (len(slides) > 0) then
         hint = 'support the body against this motion with FIX or MOVE, or give a larger ' &
@@ -304,6 +293,40 @@ contains
     call fail(error, NO_SOLUTION, 'step '//to_text(state%step)//' failed'//cuts//': '//why &
               //slides, place, hint)
   end subroutine fail_step
+
+  !> Hint for a step that does not converge: smaller steps, and what may help where points open and
+  !! close in turn, unless the deck has it already.
+  function usual_hint(step, model) result(hint)
+    type(step_t), intent(in) :: step
+    type(model_t), intent(in) :: model
+    character(:), allocatable :: hint, remedies
+
+    hint = ''
+    associate (pass => step%pass)
+      if (pass%worst(2) > 0) then
+        hint = 'residual '//to_text(pass%residual)//', largest at node '//to_text(pass%worst(2)) &
+               //', dof u'//'xyz' (pass%worst(1):pass%worst(1))//'; '
+      end if
+    end associate
+    hint = hint//'smaller steps may help: '
+    if (.not. step%timed) then
+      hint = hint//'apply the loads in steps (PROP, DT and a loop with TIME)'
+      if (.not. step%control%automatic) hint = hint//' with AUTO,,dtmin,dtmax'
+    else
+      hint = hint//'AUTO,,dtmin,dtmax'
+      if (step%control%automatic) hint = hint//' with a smaller dtmin'
+    end if
+    if (size(model%contact) == 0 .or. step%cutbacks < 2) return
+    remedies = ''
+    if (any(model%contact%scheme == HALFPASS)) remedies = ', or remove SCHEme HALFpass'
+    if (.not. step%searches) remedies = remedies//', or use UTAN,LINE,1'
+    if (.not. all(model%contact%normal%prop(SMOOTHING) > 0.0_wp)) then
+      remedies = remedies//', or use NORMal ... SMOOth d'
+    end if
+    if (len(remedies) == 0) remedies = ', or use a softer penalty'
+    hint = hint//'; if contact points open and close in turn at an edge or where the gap is ' &
+           //'zero, no step is small enough: '//remedies(len(', or ') + 1:)
+  end function usual_hint
 
   !> Close the current step, if any: test it once more, then accept it or cut it back.
   subroutine close_step(step, model, state, place, outcome, error)
@@ -354,7 +377,7 @@ contains
                 hint='use more iterations or, in a loop with TIME, AUTO,,dtmin,dtmax; the run ' &
                 //'will end with code 2')
     end if
-    if (.not. step%newton%constraint%on) call check_stability(step, state)
+    if (.not. step%newton%constraint%on) call check_stability(step, model, state)
     associate (asm => step%newton%asm)
       call report_stabilisation(step%newton%hold, model, state, asm%f_ext, asm%anchors, &
                                 sum_of_loads(step%newton, model, state))
@@ -404,10 +427,11 @@ contains
 
   !> Report a converged state on an unstable branch: by a warning the first time, later by a line in
   !! the log.
-  subroutine check_stability(step, state)
+  subroutine check_stability(step, model, state)
     type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    character(:), allocatable :: text
+    character(:), allocatable :: text, causes
     integer :: negative
 
     associate (pass => step%pass, total => step%total)
@@ -423,9 +447,12 @@ contains
         if (total%unstable) then
           call log_line(text)
         else
+          causes = 'buckling, a limit point'
+          if (any(model%mesh%block%row%nmode > 0)) then
+            causes = 'hourglassing of elements with enhanced modes in compression, '//causes
+          end if
           call warn(text//'; later unstable states are reported only in the log', &
-                    hint='possible causes: hourglassing (ENHAnced in compression), buckling, a ' &
-                    //'limit point; look at the deformed shape')
+                    hint='possible causes: '//causes//'; look at the deformed shape')
         end if
         total%unstable = .true.
       end if

@@ -36,6 +36,7 @@ module step_type
     logical :: timed = .false.           !! a TIME began the step
     logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in the step
+    logical :: searches = .false.        !! the last solve had the line search of the deck
     integer :: cutbacks = 0              !! cut-backs of this step, except changes of method
     logical :: needs_secant = .false.    !! some step failed at every size without secants
     logical :: secant = .false.          !! the next attempt of the step has secants of friction

@@ -71,7 +71,7 @@ class Locking(Folder):
                 self.assertLess(force, 1.25 * FINE)
 
 
-class Contact(Folder):
+class Changed(Folder):
     def run_deck(self, name, *changes):
         """Run a deck of the folder `silent` with changes; return the texts of the screen and of
         the log.
@@ -85,6 +85,8 @@ class Contact(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stderr, (self.at / f"{name}.log").read_text()
 
+
+class Contact(Changed):
     def test_a_contact_that_never_closes_is_noted_with_its_smallest_gap(self):
         """The punch stops 0.02 above the block, moves away from it, or faces away from it."""
         said, log = self.run_deck("narrow", ("0 0 -0.06", "0 0 -0.03"))
@@ -153,7 +155,7 @@ class Contact(Folder):
         self.assertNotIn("warning:", self.run_bezel("--check", "tool.inp").stderr)
 
 
-class Rigid(Contact):
+class Rigid(Changed):
     def test_forces_at_nodes_of_a_rigid_patch_are_told_to_be_meaningless(self):
         """Node 0 at a point of both bodies is that of the block, whose record needs no warning."""
         said, _ = self.run_deck("history_of_rigid")
@@ -209,6 +211,62 @@ class Sliding(Folder):
         """
         said = self.slide(("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low"), ("newton,25", "newton,1"))
         self.assertNotIn("slides along", said)
+
+
+class Remedies(Changed):
+    """A hint must not recommend what the deck has already, or less than it has."""
+
+    def test_the_recommended_penalty_is_stiffer_than_that_of_the_deck(self):
+        for penalty, recommended in {"AUTO 0.02": "AUTO'", "400": "AUTO 2.7'"}.items():
+            said, _ = self.run_deck(
+                "soft_penalty",
+                ("NORMal PENAlty eps", f"NORMal PENAlty {penalty}"),
+                ("0 0 -0.1", "0 0 -0.4"),
+            )
+            self.assertIn("warning: contact 'sole': surfaces penetrate by", said)
+            self.assertIn(f"such as 'NORMal PENAlty {recommended}", said)
+        said, _ = self.run_deck("soft_friction")
+        self.assertIn("hint: use a stiffer penalty in FRICtion\n", said)
+
+    def test_the_recommended_points_are_more_than_those_of_the_deck(self):
+        said, _ = self.run_deck("bond_edge")
+        self.assertIn("'QUADrature 10 10'", said)
+        said, _ = self.run_deck("bond_edge", ("COHEsive", "QUADrature 11 11\n  COHEsive"))
+        self.assertIn("'QUADrature 22 22'", said)
+
+    def test_friction_that_acts_later_is_not_to_be_added(self):
+        said, _ = self.run_deck("falling_block")
+        self.assertIn("or add friction\n", said)
+        said, _ = self.run_deck(
+            "falling_block", ("middle 3-\n", "middle 3-\n  FRICtion COULomb 0.3 AFTEr 9\n")
+        )
+        self.assertIn("or let friction act earlier (AFTEr)\n", said)
+
+    def test_hourglassing_is_a_cause_only_with_enhanced_elements(self):
+        """A straight column under twice the load at which it buckles."""
+        column = (
+            ("BOX 0 0 0  1 1 1", "BOX 0 0 0  1 1 8"),
+            ("ELEMents 3 3 3", "ELEMents 1 1 8"),
+            ("0 0 0.02", "* * -0.25"),
+        )
+        self.assertIn("hourglassing", self.run_deck("clean", *column, ("Q1\n", "Q1E9\n"))[0])
+        said, _ = self.run_deck("clean", *column, ("Q1\n", "Q2\n"))
+        self.assertIn("hint: possible causes: buckling, a limit point;", said)
+
+    def test_a_failed_step_is_not_sent_to_what_it_has(self):
+        deck = (HERE / "slides.inp").read_text().replace("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low")
+        deck = deck.replace("newton,25", "newton,1")
+        line = deck.replace("UTAN,,1", "UTAN,LINE,1")
+        smooth = line.replace("PENAlty AUTO", "PENAlty AUTO SMOOth 0.01")
+        for text, remedy in (
+            (deck, "use UTAN,LINE,1, or use NORMal ... SMOOth d"),
+            (line, "use NORMal ... SMOOth d"),
+            (smooth, "use a softer penalty"),
+        ):
+            (self.at / "slides.inp").write_text(text)
+            done = self.run_bezel("slides.inp")
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(f"no step is small enough: {remedy}\n", done.stderr)
 
 
 class Moved(Folder):
