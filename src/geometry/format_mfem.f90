@@ -112,14 +112,13 @@ contains
     call new_nurbs(patch, dir, mfem%x(:, at), mfem%w(at))
   end subroutine read_mfem
 
-  !> Read everything up to the end of the knot vectors. Check that the vertices and knot vectors to
-  !! which elements and edges refer exist, and that no element has a vertex twice.
+  !> Read everything up to the end of the knot vectors.
   subroutine read_topology(text, mfem, error)
     type(text_t), intent(inout) :: text
     type(mfem_t), intent(inout) :: mfem
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: word
-    integer :: e, i, n, type, skip(6)
+    integer :: e, n, skip(6)
 
     do
       call next_word(text, word)
@@ -130,23 +129,7 @@ contains
           call fail_in_file(text, 'the mesh has dimension '//to_text(n)//', expected 3', error)
         end if
       case ('elements')
-        call next_count(text, 'the number of elements', n, error)
-        if (allocated(error)) return
-        if (allocated(mfem%vertex)) deallocate (mfem%vertex)
-        allocate (mfem%vertex(8, n))
-        do e = 1, n
-          call next_integer(text, 'an attribute', type, error)
-          if (.not. allocated(error)) call next_integer(text, 'an element type', type, error)
-          if (allocated(error)) return
-          if (type /= 5) then
-            call fail_in_file(text, 'expected element type 5 (cube), found '//to_text(type), error)
-            return
-          end if
-          do i = 1, 8
-            call next_count(text, 'a vertex number', mfem%vertex(i, e), error)
-            if (allocated(error)) return
-          end do
-        end do
+        call read_elements(text, mfem, error)
       case ('boundary')
         call next_count(text, 'the number of boundary faces', n, error)
         if (allocated(error)) return
@@ -155,16 +138,7 @@ contains
           if (allocated(error)) return
         end do
       case ('edges')
-        call next_count(text, 'the number of edges', n, error)
-        if (allocated(error)) return
-        if (allocated(mfem%edge)) deallocate (mfem%edge)
-        allocate (mfem%edge(3, n))
-        do e = 1, n
-          do i = 1, 3
-            call next_count(text, 'the number of a knot vector or vertex', mfem%edge(i, e), error)
-            if (allocated(error)) return
-          end do
-        end do
+        call read_edges(text, mfem, error)
       case ('vertices')
         call next_count(text, 'the number of vertices', mfem%nvertex, error)
       case ('knotvectors')
@@ -179,7 +153,60 @@ contains
       end select
       if (allocated(error)) return
     end do
+    if (.not. allocated(error)) call check_topology(text, mfem, error)
+  end subroutine read_topology
+
+  subroutine read_elements(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer :: e, i, n, type
+
+    call next_count(text, 'the number of elements', n, error)
     if (allocated(error)) return
+    if (allocated(mfem%vertex)) deallocate (mfem%vertex)
+    allocate (mfem%vertex(8, n))
+    do e = 1, n
+      call next_integer(text, 'an attribute', type, error)
+      if (.not. allocated(error)) call next_integer(text, 'an element type', type, error)
+      if (allocated(error)) return
+      if (type /= 5) then
+        call fail_in_file(text, 'expected element type 5 (cube), found '//to_text(type), error)
+        return
+      end if
+      do i = 1, 8
+        call next_count(text, 'a vertex number', mfem%vertex(i, e), error)
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine read_elements
+
+  subroutine read_edges(text, mfem, error)
+    type(text_t), intent(inout) :: text
+    type(mfem_t), intent(inout) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer :: e, i, n
+
+    call next_count(text, 'the number of edges', n, error)
+    if (allocated(error)) return
+    if (allocated(mfem%edge)) deallocate (mfem%edge)
+    allocate (mfem%edge(3, n))
+    do e = 1, n
+      do i = 1, 3
+        call next_count(text, 'the number of a knot vector or vertex', mfem%edge(i, e), error)
+        if (allocated(error)) return
+      end do
+    end do
+  end subroutine read_edges
+
+  !> Check that the vertices and knot vectors to which elements and edges refer exist, and that no
+  !! element has a vertex twice.
+  subroutine check_topology(text, mfem, error)
+    type(text_t), intent(in) :: text
+    type(mfem_t), intent(in) :: mfem
+    type(error_t), allocatable, intent(out) :: error
+    integer :: e, i
+
     if (.not. (allocated(mfem%vertex) .and. allocated(mfem%edge))) then
       call fail_in_file(text, 'the sections ''elements'' and ''edges'' must come before ' &
                         //'''knotvectors''', error)
@@ -195,7 +222,7 @@ contains
       call fail_in_file(text, 'an edge refers to a knot vector outside the range 0 to ' &
                         //to_text(size(mfem%dir) - 1), error)
     end if
-  end subroutine read_topology
+  end subroutine check_topology
 
   subroutine read_knots(text, dir, error)
     type(text_t), intent(inout) :: text
