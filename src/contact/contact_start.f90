@@ -1,61 +1,24 @@
 !> What the log reports about contacts before the first step: their bonds, and warnings about faces
 !! that look wrong and about initial penetrations.
 !!
-!! All points are projected in the reference configuration. Points that are inside the other body at
-!! the start indicate a press fit or a mistake. If the outward normals of the two surfaces point the
-!! same way where the surfaces are nearest, the deck names the wrong faces.
+!! All points are projected in the reference configuration (contact_nearness). Points that are inside
+!! the other body at the start indicate a press fit or a mistake. If the outward normals of the two
+!! surfaces point the same way where the surfaces are nearest, the deck names the wrong faces.
 module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_bond, only: find_bonds, find_opened_bonds
   use contact_history, only: new_contact_state
+  use contact_nearness, only: start_t, look_at_start, look_farther
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
   use mesh, only: mesh_t
   use model, only: model_t
-  use projection, only: project
-  use projection_search, only: grid_t, place_surfaces, update_grid
-  use projection_type, only: foot_t, shape_t, touches
-  use self_search, only: nearness_t, search_itself
-  use surface_geometry, only: surface_point, update_shape
-  use tensor, only: cross
   implicit none
   private
-  public :: start_t, look_at_start, warn_contacts, position_text
+  public :: warn_contacts, position_text
 
-  !> A gap that is smaller than this fraction of the size of an element is due to rounding.
-  real(wp), parameter :: INSIDE = 1.0e-6_wp
-  !> Elements count as nearest if their gaps exceed the smallest one by at most this fraction of the
-  !! width of the element with the smallest gap.
-  real(wp), parameter :: NEAREST = 0.01_wp
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
-  !> Normals point the same way if the cosine of their angle exceeds this value. The mean normal at
-  !! the edge of a box is at 45 degrees to the faces that meet there, so more is required at ridges.
-  real(wp), parameter :: SAME_WAY = 0.5_wp, SAME_AT_RIDGE = 0.9_wp
-
-  !> Position of two surfaces relative to each other at the start.
-  type :: start_t
-    !> Number of points of both sides, or of a rigid side alone if no point of the other side faces
-    !! it.
-    integer :: npoint = 0
-    integer :: ninside = 0               !! number of these that penetrate
-    real(wp) :: deepest = 0.0_wp         !! largest penetration [L]
-    real(wp) :: x(3) = 0.0_wp            !! point with the largest penetration [L]
-    integer :: nnear = 0                 !! number of points about as near as the nearest
-    integer :: naway(2) = 0              !! numbers of these where side 1 and side 2 face away
-    real(wp) :: overlap = 0.0_wp         !! largest penetration between DEPTh and the thickness [L]
-    real(wp) :: x_overlap(3) = 0.0_wp    !! point with this penetration [L]
-    integer :: nbehind = 0               !! number of the near points behind the whole other body
-    !> No integration point is opposite the other side, but points of the rigid side are.
-    logical :: unseen = .false.
-    real(wp) :: width(2) = 0.0_wp        !! mean width of the elements that are nearest [L]
-    real(wp) :: gap = huge(1.0_wp)       !! smallest gap of a point outside the other body [L]
-    real(wp) :: x_gap(3) = 0.0_wp        !! point with the smallest gap [L]
-    !> Self-contact: number of points no farther than DEPTh from the far side of the body, and one
-    !! of these points.
-    integer :: nthrough = 0
-    real(wp) :: x_through(3) = 0.0_wp
-  end type start_t
 
 contains
 
@@ -243,184 +206,5 @@ contains
                 'TIE joins nodes of bodies that touch: use TIE,NODE or TIE,MATErial, or no TIE')
     end associate
   end subroutine warn_tied
-
-  !> Project all points of a contact at the positions x, over a distance of at most the thickness of
-  !! the thicker body plus the width of an element.
-  subroutine look_at_start(contact, x, start)
-    type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
-    type(start_t), intent(out) :: start
-    type(shape_t) :: shape(2)
-    type(grid_t) :: grid(2)
-    real(wp), allocatable :: gap(:)      ! gaps of points with a projection [L]
-    integer, allocatable :: away(:)      ! side that faces away at a point; 0: none
-    real(wp), allocatable :: reach_of(:, :) ! distance of an element to the other surface [L]
-    logical, allocatable :: behind(:)    ! the point is behind the other body
-    real(wp) :: thin                     ! thickness of the thinner body [L]; huge: unknown
-    real(wp) :: h, reach, near
-    integer :: k, n
-
-    if (contact%self) then
-      call look_at_itself(contact, x, start)
-      return
-    end if
-    h = huge(1.0_wp)
-    call place_surfaces(contact, x, shape, grid)
-    do k = 1, 2
-      h = min(h, sum(maxval(shape(k)%high - shape(k)%low, dim=1))/max(1, contact%side(k)%nelem))
-      if (contact%side(k)%rigid) cycle
-      start%npoint = start%npoint + contact%side(k)%nelem*contact%nplain
-    end do
-    allocate (reach_of(maxval(contact%side%nelem), 2), source=huge(h))
-    thin = huge(thin)
-    if (any(contact%side%thickness > 0.0_wp)) thin = minval(contact%side%thickness, &
-                                                            contact%side%thickness > 0.0_wp)
-    reach = h + maxval(contact%side%thickness)
-    n = contact%nplain*maxval(contact%side%nelem)*2
-    allocate (gap(n), away(n), behind(n))
-    n = 0
-    do k = 1, 2
-      if (.not. contact%side(k)%rigid) call look_from(k)
-    end do
-    do k = 1, 2 ! a rigid side may lie between the points of the other side
-      if (n > 0 .or. .not. contact%side(k)%rigid) cycle
-      call update_grid(contact%side(3 - k), shape(3 - k), grid(3 - k))
-      call look_from(k)
-      start%unseen = n > 0
-      if (start%unseen) start%npoint = contact%side(k)%nelem*contact%nplain
-    end do
-    where (abs(start%x) < INSIDE*h) start%x = 0.0_wp ! only rounding error
-    ! surfaces must face each other only where they are nearest; the far side of a ball faces away
-    near = minval(abs(gap(:n))) + h
-    do k = 1, 2
-      if (allocated(contact%side(k)%width)) then
-        start%width(k) = nearest_width(contact%side(k)%width, reach_of(:, k))
-      end if
-    end do
-    start%nnear = count(abs(gap(:n)) <= near)
-    start%nbehind = count(abs(gap(:n)) <= near .and. behind(:n))
-    start%naway = [(count(abs(gap(:n)) <= near .and. away(:n) == k), k=1, 2)]
-
-  contains
-
-    !> Project the points of side k onto the other side.
-    subroutine look_from(k)
-      integer, intent(in) :: k
-      type(foot_t) :: foot
-      real(wp) :: xp(3), a(3, 2), b(3, 3), normal(3), same
-      integer :: e, q
-
-      do e = 1, contact%side(k)%nelem
-        do q = 1, contact%nplain
-          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
-          foot%elem = 0
-          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot, reach)
-          if (foot%elem == 0) cycle
-          if (abs(foot%gap) <= reach) then
-            n = n + 1
-            gap(n) = foot%gap
-            reach_of(e, k) = min(reach_of(e, k), abs(foot%gap))
-            away(n) = 0
-            behind(n) = foot%gap < -thin*(1.0_wp - INSIDE)
-            normal = cross(a(:, 1), a(:, 2))
-            same = merge(SAME_WAY, SAME_AT_RIDGE, all(foot%free))
-            if (dot_product(normal, foot%n) > same*norm2(normal)) then
-              ! outside the other body side k faces away, inside it the other side does
-              away(n) = merge(3 - k, k, foot%gap < 0.0_wp)
-            end if
-          end if
-          if (foot%gap >= 0.0_wp .and. foot%gap < start%gap) then
-            start%gap = foot%gap
-            start%x_gap = xp
-          end if
-          if (foot%gap < -contact%depth .and. foot%gap > -thin*(1.0_wp - INSIDE) .and. &
-              -foot%gap > start%overlap) then
-            if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) < 0.0_wp) then
-              start%overlap = -foot%gap
-              start%x_overlap = xp
-            end if
-          end if
-          if (.not. (foot%gap < -INSIDE*h .and. touches(foot, contact%depth))) cycle
-          start%ninside = start%ninside + 1
-          if (-foot%gap <= start%deepest) cycle
-          start%deepest = -foot%gap
-          start%x = xp
-        end do
-      end do
-    end subroutine look_from
-
-  end subroutine look_at_start
-
-  !> Find the smallest gap between two surfaces that face each other but are farther apart than the
-  !! distance within which look_at_start searches.
-  subroutine look_farther(contact, x, start)
-    type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
-    type(start_t), intent(inout) :: start
-    type(shape_t) :: shape(2)
-    type(grid_t) :: grid(2)
-    type(foot_t) :: foot
-    real(wp) :: xp(3), a(3, 2), b(3, 3)
-    integer :: e, k, q
-
-    do k = 1, 2
-      call update_shape(contact%side(k), x, shape(k))
-      call update_grid(contact%side(k), shape(k), grid(k))
-    end do
-    do k = 1, 2
-      do e = 1, contact%side(k)%nelem
-        do q = 1, contact%nplain
-          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
-          foot%elem = 0
-          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
-          if (foot%elem == 0) cycle
-          if (.not. (foot%gap >= 0.0_wp .and. foot%gap < start%gap)) cycle
-          if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) cycle
-          start%gap = foot%gap
-          start%x_gap = xp
-        end do
-      end do
-    end do
-    where (abs(start%x_gap) < INSIDE*start%gap) start%x_gap = 0.0_wp ! rounding
-  end subroutine look_farther
-
-  !> Do the same as look_at_start for self-contact.
-  subroutine look_at_itself(contact, x, start)
-    type(contact_t), intent(in) :: contact
-    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
-    type(start_t), intent(out) :: start
-    type(nearness_t) :: near
-
-    associate (surface => contact%side(1))
-      call search_itself(contact, x, x, surface%thickness + maxval(surface%width), near)
-      start%npoint = near%npoint
-      start%ninside = near%ninside
-      start%deepest = near%deepest
-      start%x = near%x
-      start%gap = near%gap
-      start%x_gap = near%x_gap
-      start%nthrough = near%nthrough
-      start%x_through = near%x_through
-      start%width = nearest_width(surface%width, near%reach_of)
-    end associate
-  end subroutine look_at_itself
-
-  !> Mean width of those elements of a surface that are about as near to the other surface as the
-  !! nearest element. On graded meshes, large elements far from the contact must not be included.
-  pure real(wp) function nearest_width(width, reach) result(mean)
-    real(wp), intent(in) :: width(:)     !! (nelem) [L]
-    real(wp), intent(in) :: reach(:)     !! distance to the other surface [L]; huge: not near
-    real(wp) :: band
-    integer :: e
-
-    associate (near => reach(:size(width)))
-      band = huge(band)
-      if (any(near < huge(near))) then
-        e = minloc(near, dim=1)
-        band = near(e) + NEAREST*width(e)
-      end if
-      mean = sqrt(sum(width**2, mask=near <= band)/max(1, count(near <= band)))
-    end associate
-  end function nearest_width
 
 end module contact_start

@@ -19,8 +19,8 @@ module input_contact
   use base_sort, only: sort_index
   use base_text, only: quoted, to_text, nearest, lower
   use contact_bond, only: find_softening
+  use contact_nearness, only: start_t, look_at_start
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
-  use contact_start, only: start_t, look_at_start
   use contact_surface, only: build_surface, tabulate_contact
   use contact_type, only: PENALTY, SMOOTHING, TANGENTIAL_PENALTY
   use curve_type, only: Q_CONTACT_DEBONDED
