@@ -2,16 +2,14 @@
 # With -v strict=1 also on a file that is not named after its module.
 # usage: awk -v b=FOLDER [-v u=FOLDER_OF_TESTS] -f depend.awk src/*/*.f90 [verification/unit/*/*.pf] > depend.mk
 BEGIN {
-  n = split("base math deck model materials elements geometry algebra contact input solution output commands main test", order, " ")
+  n = split("base math deck materials elements model geometry algebra contact input solution output commands main test", order, " ")
   for (i = 1; i <= n; i++) level[order[i]] = i
-  split("material_type element_type contact_type contact_pair", interface, " ")  # what the model refers to
-  for (i in interface) special[interface[i]] = level["model"] - 0.5
 }
 FNR == 1 {
   n = split(FILENAME, part, "/"); object = part[n]; sub(/\.f90$/, "", object)
   layer = sub(/\.pf$/, "", object) ? "test" : part[n - 1]; if (!(layer in level)) complain("unknown layer '" layer "'")
   object_of[FILENAME] = object; layer_of[FILENAME] = layer
-  level_of[FILENAME] = (object in special) ? special[object] : level[layer]
+  level_of[FILENAME] = level[layer]
 }
 {
   line = tolower($0); gsub(/'[^']*'|"[^"]*"/, "", line); sub(/!.*/, "", line)
