@@ -108,7 +108,7 @@ contains
             faced = [cells%elem(i), cells%foot(i)%elem]
             call need_pair(pairs(k), faced(1), faced(2), step, grown)
           end if
-          if (.not. (slides .and. side%p(i) > 0.0_wp)) cycle
+          if (.not. slides) cycle
           if (side%slide(i) < 0 .or. all([cells%elem(i), side%slide(i)] == slid)) cycle
           slid = [cells%elem(i), side%slide(i)]
           call need_pair(pairs(k), slid(1), slid(2), step, grown)

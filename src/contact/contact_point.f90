@@ -9,7 +9,7 @@
 module contact_point
   use base_kinds, only: wp
   use contact_pair, only: assigned_law_t, contact_t
-  use contact_type, only: OPEN, TOUCH, SLIP
+  use contact_type, only: OPEN, TOUCH, SLIP, MU, TANGENTIAL_PENALTY
   use projection_type, only: foot_t
   use smooth_step, only: smoothstep
   implicit none
@@ -26,6 +26,7 @@ module contact_point
     logical :: slides = .false.        !! friction acts, and there is a stored sliding point
     real(wp) :: xs(3) = 0.0_wp         !! position of the sliding point [L]
     real(wp) :: ahead = -1.0_wp        !! [L] see friction_law_i
+    real(wp) :: no_slip = -1.0_wp      !! [L] see add_friction; negative: surfaces do not just touch
     real(wp) :: multiplier = 0.0_wp    !! multiplier of the augmentation [F/L^2]
     real(wp) :: full = -1.0_wp         !! [L] depth from which the pressure decreases; negative: it
     !! never does
@@ -83,6 +84,12 @@ contains
   end subroutine traction_at
 
   !> Add the frictional traction at a point that carries a pressure, and its derivatives.
+  !!
+  !! Where surfaces just touch, there is no pressure yet, and hence no friction, or rounding alone
+  !! decides on both. As long as such a point has not slipped by more than point%no_slip, it has the
+  !! stiffness of a point that sticks, because it will stick under the first loads unless they push
+  !! it along the surface. If it had no stiffness, the first increment could let all points slip,
+  !! from where Newton's iteration does not always return.
   pure subroutine add_friction(contact, dn, dpdx, secant, point, dt)
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! derivatives of the normal point%n
@@ -100,6 +107,8 @@ contains
       call contact%friction%law%friction(contact%friction%prop, d, point%p, point%ahead, t, dtdd, &
                                          dtdp, point%elastic, point%state)
       if (secant .and. point%state == SLIP) call secant_of_friction(d, t, dtdd, dtdp)
+      if (norm2(d) <= point%no_slip) call begin_to_stick(contact%friction%prop, dtdd, dtdp)
+      if (.not. point%p > 0.0_wp) point%state = OPEN
       point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
       point%friction = t
       point%t = point%t + t
@@ -119,6 +128,20 @@ contains
       dt%s = -project
     end associate
   end subroutine add_friction
+
+  !> Derivatives of the frictional traction of a point that sticks, if there is friction at all.
+  pure subroutine begin_to_stick(prop, dtdd, dtdp)
+    real(wp), intent(in) :: prop(:)        !! constants of the friction law
+    real(wp), intent(inout) :: dtdd(3, 3), dtdp(3)
+    integer :: i
+
+    if (.not. prop(MU) > 0.0_wp) return
+    dtdp = 0.0_wp
+    dtdd = 0.0_wp
+    do i = 1, 3
+      dtdd(i, i) = -prop(TANGENTIAL_PENALTY)
+    end do
+  end subroutine begin_to_stick
 
   !> Secant of a frictional traction, -(|t|/|d|) I with the identity I. In contrast to the tangent,
   !! it has a stiffness along the slip and does not vary with the pressure.

@@ -24,8 +24,9 @@ contains
   !> Find weighted gaps and pressures of the control points, and the pressures of the points.
   !!
   !! Where surfaces just touch, rounding decides whether a point is open or closed. Such a point is
-  !! given the stiffness of a closed one. If only a random half of the points had a stiffness, the
-  !! first iteration could lead to a state in which the edges of the bodies no longer meet.
+  !! given the stiffness of a closed one, and, with friction, that of a point that sticks (see
+  !! add_friction). If only a random half of the points had a stiffness, the first iteration could
+  !! lead to a state in which the edges of the bodies no longer meet.
   subroutine find_pressures(contact, k, side, control)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -39,6 +40,7 @@ contains
     if (allocated(contact%side(k)%width) .and. .not. contact%normal%prop(SMOOTHING) > 0.0_wp) then
       width = minval(contact%side(k)%width)
     end if
+    side%no_gap = NO_GAP*width
     associate (own => contact%side(k), cells => side%cells, law => contact%normal%law)
       control%gap = huge(1.0_wp)
       control%pressure = 0.0_wp
@@ -63,7 +65,7 @@ contains
           control%gap(a) = side%volume(a)/side%a(a)
           call law%normal(prop, control%gap(a), control%multiplier(a), side%q(a), &
                           side%dq(a), energy)
-          if (touching(control%gap(a) - control%multiplier(a)/prop(PENALTY), width)) then
+          if (touching(control%gap(a) - control%multiplier(a)/prop(PENALTY), side%no_gap)) then
             side%dq(a) = -prop(PENALTY)
           end if
         end do
@@ -75,7 +77,7 @@ contains
       do i = 1, cells%n
         if (cells%foot(i)%elem == 0) cycle
         call law%normal(prop, cells%foot(i)%gap, 0.0_wp, side%p(i), side%dp(i), energy)
-        if (touching(cells%foot(i)%gap, width)) side%dp(i) = -prop(PENALTY)
+        if (touching(cells%foot(i)%gap, side%no_gap)) side%dp(i) = -prop(PENALTY)
         if (.not. contact%control_penalty > 0.0_wp) cycle
         call control_at(own, side, i, psi)
         do j = 1, number_at(own, cells%elem(i))
@@ -87,10 +89,10 @@ contains
   end subroutine find_pressures
 
   !> Is the gap zero up to rounding, and not negative?
-  pure logical function touching(gap, width)
-    real(wp), intent(in) :: gap, width
+  pure logical function touching(gap, no_gap)
+    real(wp), intent(in) :: gap, no_gap
 
-    touching = gap >= 0.0_wp .and. gap <= NO_GAP*width
+    touching = gap >= 0.0_wp .and. gap <= no_gap
   end function touching
 
   !> Energy of the pressure on side k at the gaps and multipliers of find_pressures.

@@ -120,7 +120,6 @@ contains
     kernel%slide_slot(:n) = 0
     if (.not. slides) return
     do i = 1, n
-      if (.not. side%p(kernel%point(i)) > 0.0_wp) cycle
       j = side%slide(kernel%point(i))
       if (j > 0) call find_slot(j, work, kernel%slide_slot(i))
     end do
@@ -221,6 +220,7 @@ contains
               at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
             end do
             if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
+            if (abs(foot%gap) <= side%no_gap) at%no_slip = side%no_gap
             call add_friction(contact, dn, dpdx*at%n, work%secant, at, d)
           end if
           side%state(i) = at%state

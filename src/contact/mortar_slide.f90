@@ -32,7 +32,8 @@ contains
     associate (side => mortar%side(k))
       !$omp parallel do schedule(dynamic, 16)
       do i = 1, side%cells%n
-        if (.not. (side%p(i) > 0.0_wp .and. side%slide(i) == 0)) cycle
+        if (.not. (side%p(i) > 0.0_wp .or. side%dp(i) < 0.0_wp)) cycle
+        if (side%slide(i) /= 0) cycle
         call find_slide(mortar, contact, k, i, rubbed)
         call find_slide_functions(contact%side(3 - k), side, i)
       end do

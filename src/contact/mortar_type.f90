@@ -23,6 +23,7 @@ module mortar_type
     real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
     real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
     real(wp), allocatable :: p(:), dp(:)      !! (n) pressure; derivative of its part with eps_1
+    real(wp) :: no_gap = 0.0_wp               !! [L] a smaller gap is due to rounding
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not sought
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
