@@ -1,9 +1,10 @@
 !> What the log reports about contacts before the first step: their bonds, and warnings about faces
 !! that look wrong and about initial penetrations.
 !!
-!! All points are projected in the reference configuration (contact_nearness). Points that are inside
-!! the other body at the start indicate a press fit or a mistake. If the outward normals of the two
-!! surfaces point the same way where the surfaces are nearest, the deck names the wrong faces.
+!! All points are projected in the reference configuration (contact_nearness). Points that are
+!! inside the other body at the start indicate a press fit or a mistake. If the outward normals of
+!! the two surfaces point the same way where the surfaces are nearest, the deck names the wrong
+!! faces.
 module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
