@@ -122,9 +122,10 @@ contains
       place = run%model%material(block%material)%place
       if (block%body > 0) place = mesh%body(block%body)%place
     end associate
-    call warn(text//': the results there have no meaning, although they satisfy the equations at ' &
-              //'the integration points', place, 'take smaller steps before this time, or use ' &
-              //'smaller elements there')
+    call warn(text//': the determinant of the deformation gradient is '//to_text(found%j, 3) &
+              //' there, so that the results near this corner have no meaning, although they ' &
+              //'satisfy the equations at the integration points', place, 'take smaller steps ' &
+              //'before this time, or use smaller elements there')
     run%plan%inverted_warned = .true.
   end subroutine watch_corners
 
