@@ -17,9 +17,11 @@ contains
   !! zero if a point penetrates; points deeper than DEPTh are left out. If no point is left, it is
   !! the distance between the boxes around both surfaces. In self-contact, it is the smallest
   !! distance between parts that face each other, and huge if there are no such parts.
-  real(wp) function find_distance(contact, xr, x) result(distance)
+  real(wp) function find_distance(contact, xr, x, towards) result(distance)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :), x(:, :) !! (3, nnode) before the deformation, and now [L]
+    !> Direction in which side 1 approaches side 2 where they are nearest; zero if it is not known.
+    real(wp), intent(out), optional :: towards(3)
     type(shape_t) :: shape(2)
     type(grid_t) :: grid(2)
     type(foot_t) :: foot
@@ -27,6 +29,7 @@ contains
     real(wp) :: xp(3), a(3, 2), b(3, 3), low(3, 2), high(3, 2)
     integer :: e, k, q
 
+    if (present(towards)) towards = 0.0_wp
     if (contact%self) then
       associate (node => contact%side(1)%node)
         call search_itself(contact, xr, x, norm2(maxval(x(:, node), 2) - minval(x(:, node), 2)), &
@@ -49,7 +52,9 @@ contains
           foot%elem = 0
           call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
           if (foot%elem == 0 .or. foot%gap < -contact%depth) cycle
-          distance = min(distance, max(foot%gap, 0.0_wp))
+          if (max(foot%gap, 0.0_wp) >= distance) cycle
+          distance = max(foot%gap, 0.0_wp)
+          if (present(towards)) towards = merge(-foot%n, foot%n, k == 1)
         end do
       end do
     end do

@@ -3,6 +3,7 @@ module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use anchored_newton, only: renew_anchors, solve_anchored, loads_of, sum_of_loads
   use anchors, only: anchors_t
+  use approach, only: approach_surface
   use assembly, only: sweep_t, new_assembler, form, free_part, full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
@@ -276,6 +277,7 @@ contains
         end if
         call renew_anchors(newton, model, state, loaded)
         if (loaded) then
+          call approach_surface(model, state, du)
           call free_part(model%eq, du, newton%dx)
           call find_reach(hold, model, state, du, reach)
           s = reach

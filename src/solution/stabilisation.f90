@@ -18,7 +18,10 @@
 !!    make every system regular. An increment whose energy is mainly that of the springs is
 !!    shortened to the distances of item 1.
 !!
-!! None of this is done if the tangent resists every motion. All limits are relative.
+!! None of this is done if the tangent resists every motion. If all contacts have friction and the
+!! tangent of an iterate resists every motion, none of it is done in the rest of the step either,
+!! unless a motion has no stiffness at all: where all points slip in a later iterate, the stiffness
+!! is small, but Newton's iteration returns without anchors. All limits are relative.
 !! Theory: doc/theory/contact.md.
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
@@ -59,6 +62,7 @@ module stabilisation
     logical :: known = .false.           !! `body` is known
     type(free_body_t), allocatable :: body(:) !! bodies that only contact can hold
     logical :: active = .false.          !! the tangent did not resist some motion
+    logical :: held = .false.            !! since then, in this step, friction resisted every motion
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
@@ -101,6 +105,7 @@ contains
       hold%known = .true.
     end if
     hold%used = .false.
+    hold%held = .false.
     hold%moves = 0
     hold%at_contact = 0
     hold%shift = 0.0_wp
@@ -165,13 +170,17 @@ contains
     end do
     call inverse_root(d, t)
     g = matmul(transpose(t), matmul(0.5_wp*(g + transpose(g)), t))
-    if (.not. hold%active) then
+    if (hold%held .or. .not. hold%active) then
       call null_vectors(g, NO_STIFFNESS, kernel)
-      hold%active = size(kernel, 2) > 0
+      if (size(kernel, 2) == 0) return
+      hold%active = .true.
+      hold%held = .false.
     end if
-    if (.not. hold%active) return
     call null_vectors(g, WEAK, kernel, or_less=.true.)
-    if (size(kernel, 2) == 0) return
+    if (size(kernel, 2) == 0) then
+      hold%held = all(model%contact(:)%friction%given)
+      return
+    end if
     hold%springs = .true.
     hold%used = .true.
     q = matmul(reshape(c, [6*size(hold%body), m]), matmul(t, kernel))
