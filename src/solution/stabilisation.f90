@@ -36,9 +36,9 @@ module stabilisation
   use surface_distance, only: find_distance
   implicit none
   private
-  public :: stabilisation_t, begin_stabilisation, find_unheld, use_springs, find_flight, &
-            release_loaded, find_reach, add_springs, remove_springs, spring_energy, note_move, &
-            is_lost, is_restless
+  public :: stabilisation_t, begin_stabilisation, end_stabilisation, find_unheld, use_springs, &
+            find_flight, release_loaded, find_reach, add_springs, remove_springs, spring_energy, &
+            note_move, is_lost, is_restless
 
   real(wp), parameter :: SPRING = 1.0e-10_wp   !! stiffness of the springs, relative to the node's
   real(wp), parameter :: NO_STIFFNESS = 1.0e-9_wp
@@ -112,6 +112,14 @@ contains
     if (allocated(hold%released)) deallocate (hold%released)
     allocate (hold%released(6, size(hold%body), 0))
   end subroutine begin_stabilisation
+
+  !> End an accepted step. If friction held all bodies throughout the step, the next step begins as
+  !! with sufficient supports, so that its displacements may be predicted.
+  pure subroutine end_stabilisation(hold)
+    type(stabilisation_t), intent(inout) :: hold
+
+    if (hold%held .and. hold%moves == 0) hold%active = .false.
+  end subroutine end_stabilisation
 
   !> Find the rigid motions that supports do not prevent and the tangent resists only weakly
   !! (`weak`) or not at all (`unheld`). With inertia there are none, because inertia resists every

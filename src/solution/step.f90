@@ -29,6 +29,7 @@ module step
   use newton, only: begin_newton, form_system, solve_system, close_newton
   use newton_type, only: pass_t
   use solution_state, only: open_step, restore_step
+  use stabilisation, only: end_stabilisation
   use stabilisation_report, only: report_stabilisation
   use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time, whole_step
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
@@ -403,6 +404,7 @@ contains
       end if
     end if
     call adapt_method(step, model, state, pass%sweep%largest)
+    call end_stabilisation(step%newton%hold)
     step%solved = .false.
     outcome = STEP_ACCEPTED
   end subroutine close_step
