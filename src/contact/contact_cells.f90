@@ -178,9 +178,14 @@ contains
           do q = 1, m
             corner(:, q) = to_chart(flat, corner(:, q))
           end do
+          call drop_short_edges(ON_EDGE*maxval(part%to - part%from), m, corner, bend)
+          if (m < 3) cycle
           n = order_of_piece(rule, corner(:, :m), part, mine, i, theirs, near(j))
           call integrate_polygon(corner(:, :m), bend(:, :, :m), rule%g(:n, n), rule%w(:n, n), &
                                  rule%f(:, :n, n), rule%df(:, :n, n), npoint, point, weight)
+          ! When its borders are corrected, a piece can lose its area. It is dropped, because
+          ! otherwise rounding would decide whether its points have a history of friction.
+          if (abs(sum(weight(:npoint))) <= NO_AREA*product(part%to - part%from)) cycle
           call reserve(points, npoint)
           do q = 1, npoint
             if (.not. abs(weight(q)) > 0.0_wp) cycle
@@ -395,6 +400,26 @@ contains
     end do
     if (m < 3) m = 0
   end subroutine join_corners
+
+  !> Drop edges that have lost their length when the borders of a cell were corrected. Otherwise,
+  !! rounding would decide how many corners, and hence how many integration points, a cell has.
+  pure subroutine drop_short_edges(short, m, corner, bend)
+    real(wp), intent(in) :: short           !! in the chart of the element
+    integer, intent(inout) :: m             !! corners
+    real(wp), intent(inout) :: corner(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
+    integer :: c
+
+    c = 1
+    do while (c <= m)
+      if (norm2(corner(:, mod(c, m) + 1) - corner(:, c)) > short) then
+        c = c + 1
+        cycle
+      end if
+      corner(:, c:m - 1) = corner(:, c + 1:m)
+      bend(:, :, c:m - 1) = bend(:, :, c + 1:m)
+      m = m - 1
+    end do
+  end subroutine drop_short_edges
 
   pure subroutine remove_corner(c, m, corner, tag)
     integer, intent(in) :: c
