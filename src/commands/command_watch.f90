@@ -114,18 +114,19 @@ contains
     call find_inverted_corners(run%model, run%state%u, found)
     if (found%nelem == 0) return
     associate (mesh => run%model%mesh, block => run%model%mesh%block(found%block))
-      text = element_name(run%model, found%block, found%elem)//' is inside out at its corner ' &
-             //'('//to_text(found%x(1), 4)//', '//to_text(found%x(2), 4)//', ' &
-             //to_text(found%x(3), 4)//') in step '//to_text(run%state%step)//', at time ' &
-             //to_text(run%state%time)
+      text = element_name(run%model, found%block, found%elem)//' is inside out at its ' &
+             //'corner, at ('//to_text(found%x(1), 4)//', '//to_text(found%x(2), 4)//', ' &
+             //to_text(found%x(3), 4)//') before the deformation, in step ' &
+             //to_text(run%state%step)//', at time '//to_text(run%state%time)
       if (found%nelem > 1) text = text//' (the worst of '//to_text(found%nelem)//' elements)'
       place = run%model%material(block%material)%place
       if (block%body > 0) place = mesh%body(block%body)%place
     end associate
     call warn(text//': the determinant of the deformation gradient is '//to_text(found%j, 3) &
-              //' there, so that the results near this corner have no meaning, although they ' &
-              //'satisfy the equations at the integration points', place, 'take smaller steps ' &
-              //'before this time, or use smaller elements there')
+              //' there, although it is positive at all integration points, and results near ' &
+              //'this corner have no meaning', place, 'distribute a load or a prescribed motion ' &
+              //'that acts at single nodes over a face; otherwise use smaller elements there, or ' &
+              //'smaller steps before this time')
     run%plan%inverted_warned = .true.
   end subroutine watch_corners
 

@@ -110,15 +110,21 @@ contains
     type(mesh_t), intent(in) :: mesh
     type(quantity_t), intent(in) :: quantity
     logical, allocatable :: rigid(:)
+    character(:), allocatable :: text
     integer :: n
 
     call mark_rigid(mesh, rigid)
     n = count(rigid(quantity%node))
     if (n == 0) return
-    call warn(to_text(n)//' of these '//to_text(size(quantity%node))//' nodes belong to rigid ' &
-              //'patches; the forces at single nodes of a rigid patch have no meaning', &
-              quantity%place, 'FORCe of a CURVe with a face of the rigid patch gives its whole ' &
-              //'reaction')
+    if (size(quantity%node) == 1) then
+      text = 'node '//to_text(quantity%node(1))//' belongs to a rigid patch; the force at a ' &
+             //'single node of a rigid patch has no meaning'
+    else
+      text = to_text(n)//' of the '//to_text(size(quantity%node))//' nodes belong to rigid ' &
+             //'patches; forces at single nodes of a rigid patch have no meaning'
+    end if
+    call warn(text, quantity%place, 'FORCe of a CURVe with a face of the rigid patch gives its ' &
+              //'whole reaction')
   end subroutine warn_part_of_rigid
 
 end module input_rigid

@@ -156,7 +156,7 @@ class Contact(Changed):
 
 
 class Rigid(Changed):
-    def test_forces_at_nodes_of_a_rigid_patch_are_told_to_be_meaningless(self):
+    def test_forces_at_nodes_of_a_rigid_patch_are_reported_as_meaningless(self):
         """Node 0 at a point of both bodies is that of the block, whose record needs no warning."""
         said, _ = self.run_deck("history_of_rigid")
         self.assertEqual(said.count("warning:"), 1, said)
@@ -164,6 +164,11 @@ class Rigid(Changed):
         self.assertIn("hint: FORCe of a CURVe with a face of the rigid patch gives its whole", said)
         note = "Values at single nodes of rigid patches have no meaning"
         self.assertIn(note, (self.at / "history_of_rigid.out").read_text())
+
+    def test_nodes_of_a_rigid_patch_are_counted_if_there_are_several(self):
+        change = ("POINt 0 0 1.2 3", "PLANe 3 1.2 3")
+        said, _ = self.run_deck("part_of_rigid", change)
+        self.assertIn("4 of the 4 nodes belong to rigid patches; forces at single nodes", said)
 
 
 class Sliding(Folder):
@@ -234,6 +239,11 @@ class Remedies(Changed):
         said, _ = self.run_deck("bond_edge", ("COHEsive", "QUADrature 11 11\n  COHEsive"))
         self.assertIn("'QUADrature 22 22'", said)
 
+    def test_motions_of_single_nodes_are_to_be_distributed(self):
+        """Smaller elements or steps would not help this deck, which presses a corner inwards."""
+        said, _ = self.run_deck("inside_out")
+        self.assertIn("hint: distribute a load or a prescribed motion that acts at single", said)
+
     def test_friction_that_acts_later_is_not_to_be_added(self):
         said, _ = self.run_deck("falling_block")
         self.assertIn("or add friction\n", said)
@@ -253,7 +263,7 @@ class Remedies(Changed):
         said, _ = self.run_deck("clean", *column, ("Q1\n", "Q2\n"))
         self.assertIn("hint: possible causes: buckling, a limit point;", said)
 
-    def test_a_failed_step_is_not_sent_to_what_it_has(self):
+    def test_a_failed_step_recommends_only_what_the_deck_lacks(self):
         deck = (HERE / "slides.inp").read_text().replace("FIX,low", "FIX,up,1+ 1 0 0\nFIX,low")
         deck = deck.replace("newton,25", "newton,1")
         line = deck.replace("UTAN,,1", "UTAN,LINE,1")
