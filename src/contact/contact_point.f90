@@ -83,13 +83,13 @@ contains
     end if
   end subroutine traction_at
 
-  !> Add the frictional traction at a point that carries a pressure, and its derivatives.
+  !> Add the frictional traction at a point in contact, and its derivatives.
   !!
   !! Where surfaces just touch, there is no pressure yet, and hence no friction, or rounding alone
-  !! decides on both. As long as such a point has not slipped by more than point%no_slip, it has the
-  !! stiffness of a point that sticks, because it will stick under the first loads unless they push
-  !! it along the surface. If it had no stiffness, the first increment could let all points slip,
-  !! from where Newton's iteration does not always return.
+  !! decides whether there is any. As long as such a point has not slipped by more than
+  !! point%no_slip, it has the stiffness of a point that sticks, because it will stick under the
+  !! first loads unless they push it along the surface. If it had no stiffness, the first increment
+  !! could let all points slip, from where Newton's iteration does not always return.
   pure subroutine add_friction(contact, dn, dpdx, secant, point, dt)
     type(contact_t), intent(in) :: contact
     type(traction_derivatives_t), intent(in) :: dn !! derivatives of the normal point%n

@@ -99,7 +99,8 @@ contains
     end if
   end function is_newton_increment
 
-  !> Is a body held only by springs or anchors, or was it at any earlier time?
+  !> Is a body held only by springs or anchors, or was it since friction last held all bodies
+  !! throughout a step?
   pure logical function is_held(newton)
     type(newton_t), intent(in) :: newton
 

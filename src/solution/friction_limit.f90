@@ -26,7 +26,8 @@ module friction_limit
   real(wp), parameter :: RIGHT_ANGLE = acos(0.0_wp)
   real(wp), parameter :: ACROSS = 1.0e-3_wp !! negligible component of m in a supported direction
   real(wp), parameter :: MORE = 1.0e-3_wp   !! [rad] angle beyond the cone that counts as rounding
-  real(wp), parameter :: NEAR = 0.9_wp      !! part of the angle of the cone that is near its limit
+  real(wp), parameter :: NEAR = 0.9_wp      !! loads beyond this fraction of the angle of the cone
+  !! are near the limit
 
 contains
 
@@ -56,13 +57,14 @@ contains
     if (len(text) > 0) text = 'at time '//to_text(ahead)//', '//text
   end function sliding_text
 
-  !> Name the first body whose loads are beyond a part of the cone of friction.
+  !> Name the first body whose loads are beyond a fraction of the cone of friction.
   function slide_under(model, body, x, load, part) result(text)
     type(model_t), intent(in) :: model
     type(free_body_t), intent(in) :: body(:)
     real(wp), intent(in) :: x(:, :)          !! (3, nnode) positions at the start of the step [L]
     real(wp), intent(in) :: load(:, :)       !! (3, nnode) [F]
-    real(wp), intent(in) :: part             !! this part of the angle of the cone
+    real(wp), intent(in) :: part             !! fraction of the angle of the cone beyond which loads
+    !! count
     character(:), allocatable :: text
     real(wp) :: m(3), r(3), along(3), spread, largest, limit
     integer :: b, i

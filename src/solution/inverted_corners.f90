@@ -19,14 +19,14 @@ module inverted_corners
   !! the map of a collapsed element (a tetrahedron, a prism) is singular at some of its corners.
   real(wp), parameter :: NEAR_CORNER = 0.999_wp
   !> A corner is left out if its edges span a smaller part of the volume of a cuboid, because its
-  !! Jacobian is then arbitrary. An example are the corners of the square that is mapped to a
+  !! Jacobian is then arbitrary. Examples are the corners of the square that is mapped to a
   !! hemisphere.
   real(wp), parameter :: FLAT = 0.1_wp
   real(wp), parameter :: ROUNDING = 1.0e-6_wp !! relative to the size of an element
 
   !> The worst corner of a model.
   type :: inverted_t
-    integer :: nelem = 0              !! elements that are inside out at a corner or more
+    integer :: nelem = 0              !! elements that are inside out at one or more corners
     integer :: block = 0, elem = 0    !! the worst element
     real(wp) :: x(3) = 0.0_wp         !! reference position of its worst corner [L]
     real(wp) :: j = 0.0_wp            !! determinant of the deformation gradient there [-]

@@ -46,7 +46,7 @@ module step_type
     real(wp) :: start_time = 0.0_wp
     real(wp) :: loop_end = 0.0_wp        !! time of the last target of the loop over time
     integer :: start_iterations = 0      !! total number of iterations when the step began
-    logical :: start_held = .false.      !! an earlier step had to stabilise a body
+    logical :: start_held = .false.      !! `active` of the stabilisation when the step began
     type(step_totals_t) :: total
   end type step_t
 
