@@ -233,7 +233,7 @@ contains
     type(work_t), intent(inout) :: work
     type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
-    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, dhold(3), r, z
+    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, dhold(3), r, z, past
     integer :: j
 
     associate (cohesive => contact%cohesive)
@@ -263,14 +263,17 @@ contains
     ! The penalty acts along the partner's normal until the bond has opened by half of the opening
     ! at which it is released. From there to the full opening, the penalty at the current projection
     ! gradually replaces it. If points load both surfaces, the opening at the start of the step is
-    ! used, because the elements of the partner and of the projection are not coupled.
+    ! used, because the elements of the partner and of the projection are not coupled. A damaged
+    ! bond that closes keeps the share of its largest opening, because it does not heal.
     bond%gap = dot_product(n, g)
-    r = norm2(g)
-    if (contact%balanced) r = points%opening_step(i)
+    past = opening_before(contact, points, i)
+    r = past
+    if (.not. contact%balanced) r = max(norm2(g), past)
     z = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
     bond%share = smoothstep(z)
-    if (z > 0.0_wp .and. .not. contact%balanced) bond%slope = 6*z*(1.0_wp - z) &
-                                                              *(2/contact%released)*g/r
+    if (z > 0.0_wp .and. norm2(g) > past .and. .not. contact%balanced) then
+      bond%slope = 6*z*(1.0_wp - z)*(2/contact%released)*g/r
+    end if
     hold = 1.0_wp - bond%share
     dhold = -bond%slope
     call contact%normal%law%normal(contact%normal%prop, bond%gap, points%multiplier(i), p, dp, &
@@ -303,8 +306,23 @@ contains
     needed = .true.
     if (.not. contact%on_pair) return
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
-    needed = 2*norm2(at - partner) > (1.0_wp - NEARLY)*contact%released
-    if (contact%balanced) needed = 2*points%opening_step(i) > contact%released
+    needed = 2*max(norm2(at - partner), opening_before(contact, points, i)) &
+             > (1.0_wp - NEARLY)*contact%released
+    if (contact%balanced) needed = 2*opening_before(contact, points, i) > contact%released
   end subroutine needs_projection
+
+  !> Opening of bonded point i before the current step that decides how much of the penalty still
+  !! acts between the point and its partner: the largest one if the law has damage. With a
+  !! reversible law it is the last one if points load both surfaces; otherwise it does not matter.
+  pure real(wp) function opening_before(contact, points, i) result(opening)
+    type(contact_t), intent(in) :: contact
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+
+    opening = 0.0_wp
+    if (contact%balanced) opening = points%opening_step(i)
+    if (contact%cohesive%law%heals) return
+    opening = max(opening, norm2(points%past_step(LARGEST_OPENINGS, i)))
+  end function opening_before
 
 end module contact_bond

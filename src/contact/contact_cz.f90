@@ -29,6 +29,7 @@ contains
     row%usage = 'COHEsive EXPOnential T0 g0'
     row%source = 'exponential mixed mode, reversible; Corbett and Sauer 2015, eq. (31)'
     row%nprop = 2
+    row%heals = .true.
     row%cohesive => reversible_law
     row%released => released
   end function describe
@@ -41,6 +42,7 @@ contains
     row%option = 'IRREversible'
     row%source = 'envelope of Corbett and Sauer 2015, eq. (31); unloading to the origin'
     row%oriented = .true.
+    row%heals = .false.
     row%cohesive => irreversible_law
   end function irreversible
 

@@ -38,6 +38,7 @@ module contact_type
     procedure(cohesive_law_i), pointer, nopass :: cohesive => null()
     !> For cohesive laws.
     logical :: oriented = .false. !! the law depends on the normal at the partner
+    logical :: heals = .false.    !! reversible: a bond that closes is whole again
     procedure(released_i), pointer, nopass :: released => null()
     procedure(prepare_i), pointer, nopass :: prepare => null() !! unset: nothing to derive or check
   end type contact_law_t
