@@ -21,14 +21,15 @@ module approach
 contains
 
   !> If the nearest surface has friction that can hold a body under a force along `du`, turn the
-  !! translation `du` towards this surface.
+  !! translation `du` towards this surface. If two surfaces are equally near in directions equally
+  !! inclined to `du`, such as the faces of a groove, the body meets both at once on its way.
   subroutine approach_surface(model, state, du)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(inout) :: du(:, :)  !! (3, nnode) translations of bodies, of any length
     real(wp), allocatable :: x(:, :), size_of(:)
     real(wp) :: e(3), gap, distance, towards(3), way(3), coefficient
-    logical :: moves(2), holds
+    logical :: moves(2), holds, meets_two
     integer :: c, n
 
     size_of = norm2(du, 1)
@@ -39,8 +40,9 @@ contains
       if (norm2(du(:, n) - size_of(n)*e) > SAME*size_of(n)) return
     end do
     allocate (x, source=model%mesh%xr + state%u)
-    gap = huge(gap)
+    gap = 0.5_wp*huge(gap)
     holds = .false.
+    meets_two = .false.
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
         if (is_within_body(model, c)) cycle
@@ -49,15 +51,23 @@ contains
         end do
         if (moves(1) .eqv. moves(2)) cycle
         distance = find_distance(contact, model%mesh%xr, x, towards)
-        if (.not. distance < gap) cycle
+        if (.not. distance < (1.0_wp + SAME)*gap) cycle
+        towards = merge(towards, -towards, moves(1))
+        if (distance > (1.0_wp - SAME)*gap) then
+          if (abs(dot_product(towards - way, e)) <= SAME) then
+            meets_two = meets_two .or. norm2(towards - way) > SAME
+          end if
+          cycle
+        end if
         gap = distance
-        way = merge(towards, -towards, moves(1))
+        way = towards
+        meets_two = .false.
         coefficient = contact%friction%prop(MU)
         holds = friction_acts(contact, state)
         if (holds) holds = dot_product(way, e)*sqrt(1.0_wp + coefficient**2) >= 1.0_wp
       end associate
     end do
-    if (.not. holds) return
+    if (meets_two .or. .not. holds) return
     do n = 1, size(du, 2)
       if (.not. size_of(n) > 0.0_wp) cycle
       if (any(model%eq(:, n) <= 0 .and. abs(way) > SAME)) return
