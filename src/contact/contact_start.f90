@@ -12,7 +12,7 @@ module contact_start
   use contact_bond, only: find_bonds, find_opened_bonds
   use contact_history, only: new_contact_state
   use contact_nearness, only: start_t, look_at_start, look_farther
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR, MAX_POINT
   use mesh, only: mesh_t
   use model, only: model_t
   implicit none
@@ -80,8 +80,8 @@ contains
           k = merge(1, 2, contact%side(2)%rigid)
           call warn(name//contact%side(3 - k)%name//' lies between the integration points of ' &
                     //contact%side(k)%name//' at the start, so contact does not act there', &
-                    contact%place, scheme_hint(contact)//'use smaller elements or '//more_points( &
-                    contact))
+                    contact%place, scheme_hint(contact)//'use '//more_points(contact) &
+                    //'smaller elements')
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
                     //'penetrate the other side at the start, by up to ' &
@@ -127,8 +127,7 @@ contains
     if (.not. maxval(area) - minval(area) > UNEQUAL*maxval(area)) return
     call warn("contact '"//contact%name//"': the bonded areas of its two sides differ (" &
               //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use ' &
-              //more_points(contact)//', or elements whose borders follow the edge of the bonded ' &
-              //'area')
+              //more_points(contact)//'elements whose borders follow the edge of the bonded area')
   end subroutine warn_unequal_bonds
 
   !> Warn about bonds that soften from the start, because the initial gap between two surfaces
@@ -149,14 +148,17 @@ contains
               //'or give a larger opening in COHEsive')
   end subroutine warn_opened
 
-  !> Part of a hint: at least twice as many integration points as the deck has.
+  !> Part of a hint: twice as many integration points as the deck has, but at least 10 and at most
+  !! MAX_POINT; empty if the deck has MAX_POINT already.
   function more_points(contact) result(text)
     type(contact_t), intent(in) :: contact
     character(:), allocatable :: text
     character(:), allocatable :: n
 
-    n = to_text(max(10, 2*maxval(contact%ngauss)))
-    text = "more points, such as 'QUADrature "//n//' '//n//"'"
+    text = ''
+    if (minval(contact%ngauss) >= MAX_POINT) return
+    n = to_text(min(MAX_POINT, max(10, 2*maxval(contact%ngauss))))
+    text = "more points, such as 'QUADrature "//n//' '//n//"', or "
   end function more_points
 
   !> Part of a hint: use MORTar, the default without bonds, BORDer and REFIne.

@@ -6,7 +6,7 @@ module word_contact
   use base_error, only: error_t, fail, DECK_ERROR, BUG
   use base_kinds, only: wp
   use base_text, only: to_text, quoted, lower, fits_name
-  use contact_pair, only: bond_t, HALFPASS, BALANCED, MORTAR
+  use contact_pair, only: bond_t, HALFPASS, BALANCED, MORTAR, MAX_POINT
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, contact_entry_t, next_line
@@ -22,7 +22,6 @@ module word_contact
   character(*), parameter :: BOND_OPTION(1) = ['GAP d']
   character(*), parameter :: SCHEME_USAGE = 'SCHEme HALFpass | BALAnced | MORTar'
   character(*), parameter :: SURFACE_USAGE = 'SURFaces patch face patch face'
-  integer, parameter :: MAX_POINT = 50 !! integration points of an element in one direction
   integer, parameter :: MAX_CELL = 10  !! cells of an element in one direction
   integer, parameter :: LONGEST = 32   !! longest name; it becomes part of column names
 

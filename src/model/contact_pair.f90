@@ -20,6 +20,8 @@ module contact_pair
   !! of its traction
   integer, parameter, public :: MORTAR = 3   !! points of cells and control points load both sides
 
+  integer, parameter, public :: MAX_POINT = 50 !! largest QUADrature in one direction
+
   !> Functions of the surface elements of one basis: N = C B with Bernstein polynomials B on
   !! [-1,1]^2, whose first direction varies fastest. Faces of Lagrange elements are written this
   !! way too.

@@ -238,6 +238,11 @@ class Remedies(Changed):
         self.assertIn("'QUADrature 10 10'", said)
         said, _ = self.run_deck("bond_edge", ("COHEsive", "QUADrature 11 11\n  COHEsive"))
         self.assertIn("'QUADrature 22 22'", said)
+        narrow = ("BOX 0 0 1  1 1 0.5", "BOX 0 0 1  0.05 0.05 0.5")
+        said, _ = self.run_deck("bond_edge", narrow, ("COHEsive", "QUADrature 30 4\n  COHEsive"))
+        self.assertIn("'QUADrature 50 50'", said)
+        said, _ = self.run_deck("bond_edge", narrow, ("COHEsive", "QUADrature 50 50\n  COHEsive"))
+        self.assertIn("hint: use elements whose borders follow the edge of the bonded area", said)
 
     def test_motions_of_single_nodes_are_to_be_distributed(self):
         """Smaller elements or steps would not help this deck, which presses a corner inwards."""
