@@ -4,7 +4,7 @@ module base_text
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite, ieee_is_nan
   implicit none
   private
-  public :: lower, to_text, nearest, quoted, key_of, fits_name
+  public :: lower, to_text, position_text, nearest, quoted, key_of, fits_name
 
   integer, parameter :: LONGEST = 64 !! most characters of a text that a message quotes
 
@@ -116,6 +116,14 @@ contains
       text = without_zeros(buffer(:at - 1))//'e'//trim(form)
     end if
   end function real_text
+
+  !> A position as text: (1, 2.5, 0).
+  pure function position_text(x) result(text)
+    real(wp), intent(in) :: x(3)
+    character(:), allocatable :: text
+
+    text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
+  end function position_text
 
   !> A number without trailing zeros: 1.500 becomes 1.5, and 2.000 becomes 2.
   pure function without_zeros(number) result(text)

@@ -3,7 +3,7 @@ module command_watch
   use base_error, only: place_t
   use base_kinds, only: wp
   use base_log, only: warn
-  use base_text, only: quoted, to_text
+  use base_text, only: position_text, quoted, to_text
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
   use contact_patch, only: warn_small_patches
@@ -115,8 +115,7 @@ contains
     if (found%nelem == 0) return
     associate (mesh => run%model%mesh, block => run%model%mesh%block(found%block))
       text = element_name(run%model, found%block, found%elem)//' is inside out at its ' &
-             //'corner, at ('//to_text(found%x(1), 4)//', '//to_text(found%x(2), 4)//', ' &
-             //to_text(found%x(3), 4)//') before the deformation, in step ' &
+             //'corner, at '//position_text(found%x)//' before the deformation, in step ' &
              //to_text(run%state%step)//', at time '//to_text(run%state%time)
       if (found%nelem > 1) text = text//' (the worst of '//to_text(found%nelem)//' elements)'
       place = run%model%material(block%material)%place

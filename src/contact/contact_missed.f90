@@ -6,11 +6,10 @@
 module contact_missed
   use base_kinds, only: wp
   use base_log, only: note, warn
-  use base_text, only: to_text
+  use base_text, only: position_text, to_text
   use contact_nearness, only: start_t, look_at_start
   use contact_pair, only: contact_t, contact_state_t
   use contact_resultant, only: resultant_t, side_resultant
-  use contact_start, only: position_text
   use model, only: model_t, state_t
   implicit none
   private

@@ -8,7 +8,7 @@
 module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
-  use base_text, only: to_text
+  use base_text, only: position_text, to_text
   use contact_bond, only: find_bonds, find_opened_bonds
   use contact_history, only: new_contact_state
   use contact_nearness, only: start_t, look_at_start, look_farther
@@ -17,7 +17,7 @@ module contact_start
   use model, only: model_t
   implicit none
   private
-  public :: warn_contacts, position_text
+  public :: warn_contacts
 
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
 
@@ -95,14 +95,6 @@ contains
       end associate
     end do
   end subroutine warn_contacts
-
-  !> A position as text.
-  pure function position_text(x) result(text)
-    real(wp), intent(in) :: x(3)
-    character(:), allocatable :: text
-
-    text = '('//to_text(x(1), 4)//', '//to_text(x(2), 4)//', '//to_text(x(3), 4)//')'
-  end function position_text
 
   !> The numbers of points and the areas of one side, bonded and in all.
   function bonded_text(points) result(text)

@@ -9,7 +9,7 @@
 module input_overlap
   use base_kinds, only: wp
   use base_log, only: warn
-  use base_text, only: to_text
+  use base_text, only: position_text, to_text
   use contact_pair, only: contact_t
   use element_type, only: cell_t
   use input_resolve, only: locate_point
@@ -113,12 +113,9 @@ contains
         if (.not. overlap(a, b)) cycle
         n = n + 1
         if (n > MOST_PAIRS) cycle
-        associate (at => x(:, a, b))
-          call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap '//when//', for ' &
-                    //'example at ('//to_text(at(1), 4)//', '//to_text(at(2), 4)//', ' &
-                    //to_text(at(3), 4)//'), and nothing joins them, so they do not act on each ' &
-                    //'other', mesh%body(b)%place, hint)
-        end associate
+        call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap '//when//', for ' &
+                  //'example at '//position_text(x(:, a, b))//', and nothing joins them, so they ' &
+                  //'do not act on each other', mesh%body(b)%place, hint)
       end do
     end do
     if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap '//when)
