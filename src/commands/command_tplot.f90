@@ -9,8 +9,7 @@ module command_tplot
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: get_integer, get_real
   use input_rigid, only: warn_part_of_rigid
-  use input_where, only: equally_near, mark_rigid
-  use mesh, only: mesh_t
+  use input_where, only: nearest_nodes
   implicit none
   private
   public :: tplot_rows
@@ -84,6 +83,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     integer :: i, node
     real(wp) :: x(3)
+    logical, allocatable :: on(:)
 
     call check_count(record, 3, 6, USAGE, error)
     if (allocated(error)) return
@@ -105,7 +105,10 @@ contains
       call get_real(run%deck, record, 3 + i, x(i), error, 0.0_wp)
       if (allocated(error)) return
     end do
-    if (node == 0) node = nearest_node(run%model%mesh, x)
+    if (node == 0) then
+      call nearest_nodes(run%model%mesh, x, no_rigid=.false., on=on)
+      node = findloc(on, .true., 1) ! the first of several
+    end if
     if (node < 1 .or. node > run%model%mesh%nnode) then
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
                 'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
@@ -121,19 +124,5 @@ contains
       call warn_part_of_rigid(run%model%mesh, quantity)
     end if
   end subroutine read_history
-
-  !> The node nearest to a point; the first of several, but a node of a rigid body only if no other
-  !! body is equally near.
-  pure integer function nearest_node(mesh, x) result(node)
-    type(mesh_t), intent(in) :: mesh
-    real(wp), intent(in) :: x(3) !! [L]
-    logical, allocatable :: on(:), rigid(:)
-
-    call mark_rigid(mesh, rigid)
-    on = mesh%used
-    call equally_near(mesh, x, on)
-    if (.not. all(rigid .or. .not. on)) on = on .and. .not. rigid
-    node = findloc(on, .true., 1)
-  end function nearest_node
 
 end module command_tplot

@@ -9,8 +9,8 @@ module input_rigid
   use base_text, only: quoted, to_text
   use curve_type, only: quantity_t, Q_MAX_DISP
   use input_draft, only: draft_t
-  use input_where, only: where_t, body_index, mark_rigid, W_FACES, W_EDGE
-  use mesh, only: mesh_t
+  use input_where, only: where_t, body_index, W_FACES, W_EDGE
+  use mesh, only: mesh_t, mark_rigid
   use model, only: model_t
   use word_patch, only: patch_named
   implicit none

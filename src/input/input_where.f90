@@ -7,11 +7,11 @@ module input_where
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
-  use mesh, only: mesh_t, body_t, is_rigid, solid_nodes
+  use mesh, only: mesh_t, body_t, mark_rigid
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
-  public :: equally_near, warn_between, warn_far, warn_rigid, warn_layers, mark_rigid
+  public :: equally_near, nearest_nodes, warn_between, warn_far, warn_rigid, warn_layers
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
@@ -214,7 +214,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     logical, intent(in) :: all_near !! take all nodes equally near to a POINt, otherwise the first
     logical, intent(in) :: no_rigid !! ignore rigid bodies at a POINt
-    logical, allocatable :: on(:), rigid(:)
+    logical, allocatable :: on(:)
     real(wp) :: gap
     integer :: g, i, n
 
@@ -246,11 +246,7 @@ contains
       end if
       on(place%node) = .true.
     case (W_POINT)
-      call mark_rigid(mesh, rigid)
-      on = mesh%used
-      if (no_rigid) on = on .and. .not. rigid
-      call equally_near(mesh, place%x, on)
-      if (.not. all(rigid .or. .not. on)) on = on .and. .not. rigid
+      call nearest_nodes(mesh, place%x, no_rigid, on)
       i = findloc(on, .true., 1)
       call check_near(mesh, place, i, error)
       if (allocated(error)) return
@@ -270,23 +266,21 @@ contains
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies at this place', place%place)
   end subroutine find_nodes
 
-  !> Mark the nodes that belong to rigid bodies only.
-  pure subroutine mark_rigid(mesh, rigid)
+  !> Mark the nodes that are equally near to a point, nearer than all others. Those of rigid bodies
+  !! are left out if another body is equally near, and with `no_rigid` always.
+  pure subroutine nearest_nodes(mesh, x, no_rigid, on)
     type(mesh_t), intent(in) :: mesh
-    logical, allocatable, intent(out) :: rigid(:) !! (nnode)
-    logical, allocatable :: solid(:)
-    integer :: b, e
+    real(wp), intent(in) :: x(3) !! [L]
+    logical, intent(in) :: no_rigid
+    logical, allocatable, intent(out) :: on(:) !! (nnode)
+    logical, allocatable :: rigid(:)
 
-    call solid_nodes(mesh, solid)
-    allocate (rigid(mesh%nnode), source=.false.)
-    do b = 1, size(mesh%block)
-      if (.not. is_rigid(mesh%block(b))) cycle
-      do e = 1, mesh%block(b)%nelem
-        rigid(mesh%block(b)%conn(:, e)) = .true.
-      end do
-    end do
-    rigid = rigid .and. .not. solid
-  end subroutine mark_rigid
+    call mark_rigid(mesh, rigid)
+    on = mesh%used
+    if (no_rigid) on = on .and. .not. rigid
+    call equally_near(mesh, x, on)
+    if (any(on .and. .not. rigid)) on = on .and. .not. rigid
+  end subroutine nearest_nodes
 
   !> Of the marked nodes, keep those that are nearest to a point. As in FEAP, squares of distances
   !! are compared.

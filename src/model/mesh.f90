@@ -11,7 +11,7 @@ module mesh
   implicit none
   private
   public :: mesh_t, block_t, operator_t, body_t, body_face_t, group_t, block_cell, append_nodes, &
-            append_blocks, append_body, is_rigid, solid_nodes, place_origin
+            append_blocks, append_body, is_rigid, solid_nodes, mark_rigid, place_origin
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -200,5 +200,23 @@ contains
       end do
     end do
   end subroutine solid_nodes
+
+  !> Mark the nodes that belong to rigid bodies only.
+  pure subroutine mark_rigid(mesh, rigid)
+    type(mesh_t), intent(in) :: mesh
+    logical, allocatable, intent(out) :: rigid(:) !! (nnode)
+    logical, allocatable :: solid(:)
+    integer :: b, e
+
+    call solid_nodes(mesh, solid)
+    allocate (rigid(mesh%nnode), source=.false.)
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        rigid(mesh%block(b)%conn(:, e)) = .true.
+      end do
+    end do
+    rigid = rigid .and. .not. solid
+  end subroutine mark_rigid
 
 end module mesh

@@ -3,8 +3,7 @@ module print_tables
   use base_error, only: error_t
   use base_kinds, only: wp
   use byte_file, only: byte_file_t, write_text, flush_bytes
-  use input_where, only: mark_rigid
-  use mesh, only: is_rigid
+  use mesh, only: is_rigid, mark_rigid
   use model, only: model_t, state_t
   use point_values, only: reactions_at
   use solid_recover, only: recovered_t, recover
