@@ -388,15 +388,12 @@ contains
     integer, intent(inout) :: m             !! corners; 0: nothing is left
     integer, intent(inout) :: tag(MOST_CORNERS)
     real(wp), intent(inout) :: corner(2, MOST_CORNERS)
-    integer :: c
+    integer :: c, kept(MOST_CORNERS)
 
-    c = 1
-    do while (c <= m)
-      if (norm2(corner(:, mod(c, m) + 1) - corner(:, c)) > same) then
-        c = c + 1
-        cycle
-      end if
-      call remove_corner(c, m, corner, tag) ! the edge between the two corners is dropped
+    call find_long_edges(same, corner(:, :m), m, kept)
+    do c = 1, m
+      corner(:, c) = corner(:, kept(c))
+      tag(c) = tag(kept(c))
     end do
     if (m < 3) m = 0
   end subroutine join_corners
@@ -407,19 +404,34 @@ contains
     real(wp), intent(in) :: short           !! in the chart of the element
     integer, intent(inout) :: m             !! corners
     real(wp), intent(inout) :: corner(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
-    integer :: c
+    integer :: c, kept(MOST_CORNERS)
 
-    c = 1
-    do while (c <= m)
-      if (norm2(corner(:, mod(c, m) + 1) - corner(:, c)) > short) then
-        c = c + 1
-        cycle
-      end if
-      corner(:, c:m - 1) = corner(:, c + 1:m)
-      bend(:, :, c:m - 1) = bend(:, :, c + 1:m)
-      m = m - 1
+    call find_long_edges(short, corner(:, :m), m, kept)
+    do c = 1, m
+      corner(:, c) = corner(:, kept(c))
+      bend(:, :, c) = bend(:, :, kept(c))
     end do
   end subroutine drop_short_edges
+
+  !> Find the edges of a polygon that are longer than `short`. Edge c begins at corner c. The edge
+  !! from the last corner ends at the first one whose edge is long.
+  pure subroutine find_long_edges(short, corner, n, long)
+    real(wp), intent(in) :: short
+    real(wp), intent(in) :: corner(:, :)    !! (2, m)
+    integer, intent(out) :: n               !! number of these edges
+    integer, intent(out) :: long(:)         !! (>= m) the edges, in ascending order
+    integer :: c, m, next
+
+    m = size(corner, 2)
+    n = 0
+    do c = 1, m
+      next = min(c + 1, m)
+      if (c == m .and. n > 0) next = long(1)
+      if (.not. norm2(corner(:, next) - corner(:, c)) > short) cycle
+      n = n + 1
+      long(n) = c
+    end do
+  end subroutine find_long_edges
 
   pure subroutine remove_corner(c, m, corner, tag)
     integer, intent(in) :: c
