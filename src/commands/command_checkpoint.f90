@@ -182,6 +182,7 @@ contains
     end associate
     associate (hold => run%step%newton%hold)
       call exchange(x, 'hold_active', hold%active)
+      call exchange(x, 'hold_fell', hold%fell)
       call exchange(x, 'hold_warned', hold%warned)
       call exchange(x, 'hold_warned_energy', hold%warned_energy)
       call exchange(x, 'hold_energy', hold%energy)

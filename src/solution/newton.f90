@@ -277,7 +277,7 @@ contains
         end if
         call renew_anchors(newton, model, state, loaded)
         if (loaded) then
-          call approach_surface(model, state, du)
+          call approach_surface(hold%body, model, state, du, hold%fell)
           call free_part(model%eq, du, newton%dx)
           call find_reach(hold, model, state, du, reach)
           s = reach

@@ -5,7 +5,8 @@
 !! tangent and the diagonal matrix D contains the mean stiffness of each node.
 !!
 !! 1. If a translation has no stiffness (less than NO_STIFFNESS) and a load acts along it, the body
-!!    "flies": it is moved in that direction, up to the nearest other surface and then farther, by
+!!    "flies": it is moved in that direction, or the shortest way to a surface whose friction can
+!!    hold it (module approach), up to the nearest other surface and then farther, by
 !!    distances that begin with a millionth of the width of an element and grow. As soon as contact
 !!    resists, Newton's iteration continues from there. If the body meets no surface, the step
 !!    fails.
@@ -21,12 +22,15 @@
 !! None of this is done if the tangent resists every motion. If all contacts have friction and the
 !! tangent of an iterate resists every motion, none of it is done in the rest of the step either,
 !! unless a motion has no stiffness at all: where all points slip in a later iterate, the stiffness
-!! is small, but Newton's iteration returns without anchors. All limits are relative.
+!! is small, but Newton's iteration returns without anchors. This does not apply once a body was
+!! moved in the direction of its load, because it may slide on before friction holds it. All limits
+!! are relative.
 !! Theory: doc/theory/contact.md.
 module stabilisation
   use anchors, only: anchors_t, find_load, node_stiffness, rigid_field
   use base_kinds, only: wp
   use base_comm, only: is_root
+  use contact_assembly, only: friction_acts
   use contact_pair, only: contact_t
   use csr, only: block_matrix_t, block_position, multiply
   use lapack, only: dsyev
@@ -63,6 +67,7 @@ module stabilisation
     type(free_body_t), allocatable :: body(:) !! bodies that only contact can hold
     logical :: active = .false.          !! the tangent did not resist some motion
     logical :: held = .false.            !! since then, in this step, friction resisted every motion
+    logical :: fell = .false.            !! a body was moved in the direction of its load
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
@@ -113,8 +118,9 @@ contains
     allocate (hold%released(6, size(hold%body), 0))
   end subroutine begin_stabilisation
 
-  !> End an accepted step. If friction held all bodies throughout the step, the next step begins as
-  !! with sufficient supports, so that its displacements may be predicted.
+  !> End an accepted step. If friction held all bodies when the step converged, and no body was
+  !! moved, the next step begins as with sufficient supports, so that its displacements may be
+  !! predicted.
   pure subroutine end_stabilisation(hold)
     type(stabilisation_t), intent(inout) :: hold
 
@@ -132,7 +138,7 @@ contains
     real(wp), allocatable :: x(:, :), v(:, :, :), kv(:, :), c(:, :, :), g(:, :), d(:, :), t(:, :)
     real(wp), allocatable :: kernel(:, :), q(:, :)
     integer, allocatable :: owner(:)
-    integer :: b, i, j, m, n
+    integer :: b, i, j, m, n, s
 
     hold%springs = .false.
     if (size(hold%weak, 3) > 0) then
@@ -186,7 +192,8 @@ contains
     end if
     call null_vectors(g, WEAK, kernel, or_less=.true.)
     if (size(kernel, 2) == 0) then
-      hold%held = all(model%contact(:)%friction%given)
+      hold%held = all([(friction_acts(model%contact(s), state), s=1, size(model%contact))]) .and. &
+                  .not. hold%fell
       return
     end if
     hold%springs = .true.

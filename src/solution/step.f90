@@ -70,6 +70,7 @@ contains
     step%start_time = state%time
     step%start_iterations = step%total%iterations
     step%start_held = step%newton%hold%active
+    step%start_fell = step%newton%hold%fell
     step%open = .true.
     step%solved = .false.
     step%timed = present(left)
@@ -242,6 +243,7 @@ contains
     call rewind_step(step, state)
     step%total%iterations = step%start_iterations
     step%newton%hold%active = step%start_held
+    step%newton%hold%fell = step%start_fell
     step%retry = step%cutbacks > 0
   end subroutine abandon_step
 

@@ -47,6 +47,7 @@ module step_type
     real(wp) :: loop_end = 0.0_wp        !! time of the last target of the loop over time
     integer :: start_iterations = 0      !! total number of iterations when the step began
     logical :: start_held = .false.      !! `active` of the stabilisation when the step began
+    logical :: start_fell = .false.      !! `fell` of the stabilisation when the step began
     type(step_totals_t) :: total
   end type step_t
 
