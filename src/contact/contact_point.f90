@@ -108,8 +108,11 @@ contains
                                          dtdp, point%elastic, point%state)
       if (secant .and. point%state == SLIP) call secant_of_friction(d, t, dtdd, dtdp)
       if (norm2(d) <= point%no_slip) call begin_to_stick(contact%friction%prop, dtdd, dtdp)
-      if (.not. point%p > 0.0_wp) point%state = OPEN
       point%slip = max(0.0_wp, norm2(d) - norm2(point%elastic))
+      if (.not. point%p > 0.0_wp) then ! the surfaces just touch
+        point%state = OPEN
+        point%slip = 0.0_wp
+      end if
       point%friction = t
       point%t = point%t + t
       project = -outer(n, n)
