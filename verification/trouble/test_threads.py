@@ -76,7 +76,7 @@ class Threads(Folder):
             stem = kind.lower()
             changes = {
                 "kind": ("TYPE Q1\n", f"TYPE {kind}\n"),
-                "far": ("-0.25", "-0.9"),
+                "far": ("-0.25", "-1.2"),  # beyond the support, so that elements must be inverted
                 "long": ("DT,,0.2", "DT,,1.0"),
             }
             deck = self.cube(f"{stem}_fails", **changes)
