@@ -9,7 +9,8 @@ KERNELS      := solid_batch solid_batch_algebra solid_batch_condense solid_panel
                 solid_form solid_condense mate_neohooke mate_linear surface_geometry surface_basis \
                 projection projection_iterate surface_traversal surface_chart contact_element contact_point \
                 contact_work contact_bond edge_taper contact_facets contact_cells contact_mortar \
-                mortar_slide contact_scatter csr_coupling polygon bspline element_sweep
+                mortar_slide mortar_kernel contact_scatter csr_coupling polygon bspline \
+                element_sweep
 # Files that are also compiled for wider vector registers, under other names (@ becomes _v3 or _v4); at
 # run time the program chooses the widest that the processor supports (solid_simd). Fused multiply-adds
 # save 15 % of the time here.

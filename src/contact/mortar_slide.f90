@@ -118,35 +118,52 @@ contains
     real(wp), intent(out) :: slip_rate        !! [L/T]
     real(wp), intent(out) :: limit            !! [F/L^2]
     real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
-    integer :: low, high, middle, j
-    real(wp) :: w, total
+    integer, parameter :: BLOCK = 64
+    real(wp) :: w(BLOCK), total
+    integer :: before, first, i, j, last, m
 
-    low = 1
-    high = size(rubbed%elem) + 1
-    do while (low < high) ! the first point of element e
-      middle = (low + high)/2
-      if (rubbed%elem(middle) < e) then
-        low = middle + 1
-      else
-        high = middle
-      end if
-    end do
+    first = first_of(rubbed%elem, e)
+    last = first_of(rubbed%elem, e + 1) - 1
     elastic = 0.0_wp
     slip_rate = 0.0_wp
     limit = 0.0_wp
     total = 0.0_wp
-    do j = low, size(rubbed%elem)
-      if (rubbed%elem(j) /= e) exit
-      w = 1.0_wp/((rubbed%xi(1, j) - xi(1))**2 + (rubbed%xi(2, j) - xi(2))**2 + SAME)**2
-      total = total + w
-      elastic = elastic + w*rubbed%elastic(:, j)
-      slip_rate = slip_rate + w*rubbed%slip_rate(j)
-      limit = limit + w*rubbed%limit(j)
+    do before = first - 1, last - 1, BLOCK ! SIMD instructions compute the weights of a block
+      m = min(BLOCK, last - before)
+      do j = 1, m
+        i = before + j
+        w(j) = 1.0_wp/((rubbed%xi(1, i) - xi(1))**2 + (rubbed%xi(2, i) - xi(2))**2 + SAME)**2
+      end do
+      do j = 1, m
+        i = before + j
+        total = total + w(j)
+        elastic = elastic + w(j)*rubbed%elastic(:, i)
+        slip_rate = slip_rate + w(j)*rubbed%slip_rate(i)
+        limit = limit + w(j)*rubbed%limit(i)
+      end do
     end do
     if (.not. total > 0.0_wp) return
     elastic = elastic/total
     slip_rate = slip_rate/total
     limit = limit/total
   end subroutine last_friction
+
+  !> Index of the first entry of a sorted list that is at least e; if there is none, one more than
+  !! its size.
+  pure integer function first_of(list, e) result(low)
+    integer, intent(in) :: list(:), e
+    integer :: high, middle
+
+    low = 1
+    high = size(list) + 1
+    do while (low < high)
+      middle = (low + high)/2
+      if (list(middle) < e) then
+        low = middle + 1
+      else
+        high = middle
+      end if
+    end do
+  end function first_of
 
 end module mortar_slide

@@ -96,35 +96,52 @@ contains
     b(:, 3) = 0.25_wp*((p(:, 2, 2) - p(:, 1, 2)) - (p(:, 2, 1) - p(:, 1, 1)))
   end subroutine bilinear
 
-  !> Evaluate a surface of degrees 2 x 2: first along the rows of direction 1, then across them.
+  !> Evaluate a surface of degrees 2 x 2: first along the rows of direction 1, then across them. All
+  !! quantities of one component are scalars, which stay in registers.
   pure subroutine biquadratic(p, xi, x, a, b)
     real(wp), intent(in) :: p(3, 3, 3), xi(2)
     real(wp), intent(out) :: x(3), a(3, 2), b(3, 3)
-    real(wp) :: f(3, 2), d(3, 2), s, t, row(3, 3), slope(3, 3), bend(3, 3)
-    integer :: i, j
+    real(wp) :: f1, f2, f3, g1, g2, g3       ! functions of the two directions
+    real(wp) :: df1, df2, df3, dg1, dg2, dg3 ! their derivatives
+    real(wp) :: row1, row2, row3, slope1, slope2, slope3, bend1, bend2, bend3
+    integer :: c
 
-    do i = 1, 2
-      s = 0.5_wp*(1.0_wp - xi(i))
-      t = 0.5_wp*(1.0_wp + xi(i))
-      f(1, i) = s*s
-      f(2, i) = 2.0_wp*s*t
-      f(3, i) = t*t
-      d(1, i) = -s
-      d(2, i) = s - t
-      d(3, i) = t
+    call quadratics(xi(1), f1, f2, f3, df1, df2, df3)
+    call quadratics(xi(2), g1, g2, g3, dg1, dg2, dg3)
+    do c = 1, 3
+      row1 = f1*p(c, 1, 1) + f2*p(c, 2, 1) + f3*p(c, 3, 1)
+      row2 = f1*p(c, 1, 2) + f2*p(c, 2, 2) + f3*p(c, 3, 2)
+      row3 = f1*p(c, 1, 3) + f2*p(c, 2, 3) + f3*p(c, 3, 3)
+      slope1 = df1*p(c, 1, 1) + df2*p(c, 2, 1) + df3*p(c, 3, 1)
+      slope2 = df1*p(c, 1, 2) + df2*p(c, 2, 2) + df3*p(c, 3, 2)
+      slope3 = df1*p(c, 1, 3) + df2*p(c, 2, 3) + df3*p(c, 3, 3)
+      bend1 = 0.5_wp*(p(c, 1, 1) + p(c, 3, 1)) - p(c, 2, 1)
+      bend2 = 0.5_wp*(p(c, 1, 2) + p(c, 3, 2)) - p(c, 2, 2)
+      bend3 = 0.5_wp*(p(c, 1, 3) + p(c, 3, 3)) - p(c, 2, 3)
+      x(c) = g1*row1 + g2*row2 + g3*row3
+      a(c, 1) = g1*slope1 + g2*slope2 + g3*slope3
+      a(c, 2) = dg1*row1 + dg2*row2 + dg3*row3
+      b(c, 1) = g1*bend1 + g2*bend2 + g3*bend3
+      b(c, 2) = 0.5_wp*(row1 + row3) - row2
+      b(c, 3) = dg1*slope1 + dg2*slope2 + dg3*slope3
     end do
-    do j = 1, 3
-      row(:, j) = f(1, 1)*p(:, 1, j) + f(2, 1)*p(:, 2, j) + f(3, 1)*p(:, 3, j)
-      slope(:, j) = d(1, 1)*p(:, 1, j) + d(2, 1)*p(:, 2, j) + d(3, 1)*p(:, 3, j)
-      bend(:, j) = 0.5_wp*(p(:, 1, j) + p(:, 3, j)) - p(:, 2, j)
-    end do
-    x = f(1, 2)*row(:, 1) + f(2, 2)*row(:, 2) + f(3, 2)*row(:, 3)
-    a(:, 1) = f(1, 2)*slope(:, 1) + f(2, 2)*slope(:, 2) + f(3, 2)*slope(:, 3)
-    a(:, 2) = d(1, 2)*row(:, 1) + d(2, 2)*row(:, 2) + d(3, 2)*row(:, 3)
-    b(:, 1) = f(1, 2)*bend(:, 1) + f(2, 2)*bend(:, 2) + f(3, 2)*bend(:, 3)
-    b(:, 2) = 0.5_wp*(row(:, 1) + row(:, 3)) - row(:, 2)
-    b(:, 3) = d(1, 2)*slope(:, 1) + d(2, 2)*slope(:, 2) + d(3, 2)*slope(:, 3)
   end subroutine biquadratic
+
+  !> Quadratic Bernstein polynomials on [-1,1] and their first derivatives.
+  pure subroutine quadratics(xi, f1, f2, f3, df1, df2, df3)
+    real(wp), intent(in) :: xi
+    real(wp), intent(out) :: f1, f2, f3, df1, df2, df3
+    real(wp) :: s, t
+
+    s = 0.5_wp*(1.0_wp - xi)
+    t = 0.5_wp*(1.0_wp + xi)
+    f1 = s*s
+    f2 = 2.0_wp*s*t
+    f3 = t*t
+    df1 = -s
+    df2 = s - t
+    df3 = t
+  end subroutine quadratics
 
   !> Evaluate Bernstein polynomials on [-1,1] and their first two derivatives, without allocation.
   pure subroutine fill_basis(n, xi, f)
