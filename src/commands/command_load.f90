@@ -1,11 +1,11 @@
 !> PROP: load tables; PARAmeter: parameters in the solution part of the deck.
 module command_load
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_sort, only: unique
   use base_text, only: to_text
-  use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field, &
-                          check_fields
+  use command_type, only: run_t, program_t, command_t, command_row_t, new_row, data_t, &
+                          whole_field, check_fields
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
@@ -14,7 +14,7 @@ module command_load
   use table_use, only: warn_jump
   implicit none
   private
-  public :: load_rows
+  public :: load_rows, name_end_of_table
 
   integer, parameter :: MOST_TABLES = 1000
 
@@ -54,6 +54,9 @@ contains
     type(data_t), intent(out) :: data
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
+    type(place_t) :: place
+    character(:), allocatable :: end_of_table
+    real(wp) :: kind
     integer :: i, j, first, last
 
     call table_range(command, first, last, error)
@@ -71,8 +74,9 @@ contains
         return
       end if
       associate (table => data%table(i))
-        call get_integer(run%deck, record, 1, table%kind, error)
+        call get_real(run%deck, record, 1, kind, error)
         if (allocated(error)) return
+        table%kind = findloc(abs([1.0_wp, 2.0_wp] - kind) <= 8*epsilon(kind), .true., 1)
         select case (table%kind)
         case (1)
           call check_count(record, 1, 9, '1 e tmin tmax a1 a2 a3 a4 a5', error)
@@ -91,13 +95,18 @@ contains
         case (2)
           call check_count(record, 1, 2, '''2 n'', then records of n pairs t p each, and a ' &
                            //'blank record', error)
-          if (.not. allocated(error)) call read_pairs(run, record, table, error)
+          if (.not. allocated(error)) call read_pairs(run, record, table, end_of_table, error)
         case default
           call fail(error, DECK_ERROR, "unknown type '"//record%text(1)//"' of load table", &
                     record%place(1), 'known types: 1 (formula) and 2 (pairs)')
         end select
       end associate
-      if (allocated(error)) return
+      if (allocated(error)) then
+        place = record%place(1)
+        if (error%place%line == place%line) call name_end_of_table(run%program, error)
+        return
+      end if
+      call move_alloc(end_of_table, run%program%end_of_table)
     end do
     run%program%ntable = max(run%program%ntable, last)
     if (.not. allocated(run%program%prop_at)) then
@@ -107,6 +116,20 @@ contains
       run%program%counter
     run%program%defined = unique([run%program%defined, [(i, i=first, last)]])
   end subroutine read_tables
+
+  !> Add to the hint of an error in a record what ended the load table before it, because the record
+  !! may have been meant as a part of this table.
+  pure subroutine name_end_of_table(program, error)
+    type(program_t), intent(in) :: program
+    type(error_t), intent(inout) :: error
+
+    if (.not. allocated(program%end_of_table)) return
+    if (allocated(error%hint)) then
+      error%hint = error%hint//'; '//program%end_of_table
+    else
+      error%hint = program%end_of_table
+    end if
+  end subroutine name_end_of_table
 
   !> Does the record come after all data of a batch? If so, it is the end of the deck or a word such
   !! as STOP.
@@ -122,12 +145,15 @@ contains
   !> Read the data of a load table of type 2: after `2 n`, records of n pairs (t, p) up to a blank
   !! record. A pair 0 0 that is not the first pair, or a record with fewer than n pairs, ends the
   !! table; the blank record after it may be missing (FEAP).
-  subroutine read_pairs(run, opening, table, error)
+  subroutine read_pairs(run, opening, table, end_of_table, error)
     type(run_t), intent(inout) :: run
     type(record_t), intent(in) :: opening
     type(load_table_t), intent(inout) :: table
+    character(:), allocatable, intent(out) :: end_of_table !! see program_t
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
+    type(place_t) :: place
+    character(:), allocatable :: reason
     integer :: n
     logical :: done
 
@@ -141,12 +167,20 @@ contains
       if (record%kind /= RECORD_WORDS) exit
       if (done) then
         call run%deck%put_back(record)
+        end_of_table = reason//' ended the load table before this record (FEAP); end each table ' &
+                       //'of pairs with a blank record'
         exit
       end if
       call check_count(record, 2, 2*max(n, 1), 'pairs t p, at most '//to_text(max(n, 1)) &
                        //' in each record of this table', error)
       if (.not. allocated(error)) call take_pairs(run%deck, record, table, done, error)
       if (allocated(error)) return
+      place = record%place(1)
+      if (done) then
+        reason = 'the pair 0 0 in line '//to_text(place%line)//', which is not the first pair,'
+      else
+        reason = 'the record with fewer than '//to_text(n)//' pairs in line '//to_text(place%line)
+      end if
       done = done .or. record%n < 2*n
     end do
     if (size(table%t) == 0) then
@@ -232,6 +266,7 @@ contains
 
     allocate (character(32) :: data%name(0))
     allocate (data%value(0))
+    if (allocated(run%program%end_of_table)) deallocate (run%program%end_of_table)
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return

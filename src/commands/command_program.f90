@@ -6,6 +6,7 @@ module command_program
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_kinds, only: wp
   use base_text, only: nearest
+  use command_load, only: name_end_of_table
   use command_table, only: load_commands
   use command_type, only: run_t, program_t, command_t, data_t
   use deck_expression, only: params_t
@@ -58,8 +59,13 @@ contains
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
         if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
-          error%hint = 'no remaining command reads this record; note that a blank record in ' &
-                       //'place of the table of a PROP means p = t'
+          error%hint = 'no remaining command reads this record'
+          if (allocated(run%program%end_of_table)) then
+            call name_end_of_table(run%program, error)
+          else
+            error%hint = error%hint//'; note that a blank record in place of the table of a PROP ' &
+                         //'means p = t'
+          end if
         end if
         return
       end if

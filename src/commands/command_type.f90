@@ -76,6 +76,8 @@ module command_type
     integer :: ntable = 0                       !! highest number of a load table of the whole run
     integer, allocatable :: defined(:)          !! numbers of the load tables that PROPs define
     integer, allocatable :: prop_at(:)          !! (number) command that defines each table first
+    !> What ended the load table that was read last, if no blank record follows its pairs.
+    character(:), allocatable :: end_of_table
     logical, allocatable :: noted(:)            !! rows whose note or warning was issued
   end type program_t
 
