@@ -177,7 +177,7 @@ contains
         xe = mesh%xr(:, mesh%block(b)%conn(:, e))
         low = minval(xe, 2)
         high = maxval(xe, 2)
-        margin = WIDER*maxval(high - low)
+        margin = WIDER*maxval(high - low) + rounding_of(x)
         if (any(x < low - margin) .or. any(x > high + margin)) cycle
         call invert_map(mesh%block(b), e, xe, x, xi, inside)
         if (.not. inside) cycle
@@ -191,8 +191,16 @@ contains
     xi = 0.0_wp
   end subroutine locate_point
 
+  !> Rounding error of the difference between a point and a nearby node.
+  pure real(wp) function rounding_of(x)
+    real(wp), intent(in) :: x(3)    !! [L]
+
+    rounding_of = 4.0_wp*epsilon(1.0_wp)*maxval(abs(x))
+  end function rounding_of
+
   !> Solve x(xi) = x by Newton's method from the middle of the element; each step uses Cramer's
-  !! rule.
+  !! rule. Positions are taken relative to the first node, so that the error does not grow with the
+  !! distance of the element from the origin.
   subroutine invert_map(block, e, xe, x, xi, inside)
     type(block_t), intent(in) :: block
     integer, intent(in) :: e
@@ -201,17 +209,19 @@ contains
     logical, intent(out) :: inside
     type(cell_t) :: cell
     real(wp) :: shp(block%nen), dshp(3, block%nen), jac(3, 3), column(3, 3), r(3), step(3), det
+    real(wp) :: node(3, block%nen), size_of
     integer :: it, i
 
     call block_cell(block, e, cell)
+    node = xe - spread(xe(:, 1), 2, block%nen)
     xi = 0.0_wp
     inside = .false.
     do it = 1, MAX_ITER
       call block%row%functions(cell, xi, shp, dshp)
-      jac = matmul(xe, transpose(dshp))
+      jac = matmul(node, transpose(dshp))
       det = det3(jac)
       if (.not. abs(det) > SINGULAR*norm2(jac(:, 1))*norm2(jac(:, 2))*norm2(jac(:, 3))) return
-      r = x - matmul(xe, shp)
+      r = (x - xe(:, 1)) - matmul(node, shp)
       do i = 1, 3
         column = jac
         column(:, i) = r
@@ -221,7 +231,8 @@ contains
       if (maxval(abs(xi)) > 3.0_wp) return
       if (maxval(abs(step)) < 1.0e-12_wp) exit
     end do
-    inside = maxval(abs(xi)) <= 1.0_wp + OUTSIDE .and. it <= MAX_ITER
+    size_of = min(norm2(jac(:, 1)), norm2(jac(:, 2)), norm2(jac(:, 3)))
+    inside = maxval(abs(xi)) <= 1.0_wp + OUTSIDE + rounding_of(x)/size_of .and. it <= MAX_ITER
     xi = max(-1.0_wp, min(1.0_wp, xi))
   end subroutine invert_map
 
