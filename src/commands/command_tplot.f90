@@ -112,6 +112,9 @@ contains
     if (node < 1 .or. node > run%model%mesh%nnode) then
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &
                 'nodes are numbered from 1 to '//to_text(run%model%mesh%nnode))
+    else if (.not. run%model%mesh%used(node)) then
+      call fail(error, DECK_ERROR, 'node '//to_text(node)//' belongs to no element', &
+                record%place(2))
     else if (quantity%component < 1 .or. quantity%component > 3) then
       call fail(error, DECK_ERROR, 'expected direction 1, 2 or 3, found ' &
                 //to_text(quantity%component), record%place(3), USAGE)

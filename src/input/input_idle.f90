@@ -77,9 +77,10 @@ contains
     end do
   end subroutine warn_idle_bodies
 
-  !> Warn about nodal forces in directions that supports or motions prescribe, if FORCe gives one of
-  !! these forces or if all nodal forces act in such directions; and warn about pressures on faces
-  !! all of whose nodes are prescribed. Such loads only change reactions.
+  !> Warn about forces on nodes that belong to no element, which have no effect. Warn about nodal
+  !! forces in directions that supports or motions prescribe, if FORCe gives one of these forces or
+  !! if all nodal forces act in such directions; and about pressures on faces all of whose nodes are
+  !! prescribed. Such loads only change reactions.
   subroutine warn_idle_loads(draft, mesh, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
@@ -92,6 +93,14 @@ contains
     allocate (held(3, mesh%nnode), acts(3, mesh%nnode))
     held = bc%fixed /= 0 .or. moved_dofs(bc, mesh%nnode)
     acts = abs(bc%force) > 0.0_wp
+    n = count(any(acts, 1) .and. .not. mesh%used)
+    if (n > 0) then
+      call warn('forces act on nodes that belong to no element, and have no effect (number of ' &
+                //'nodes: '//to_text(n)//', the first is node ' &
+                //to_text(findloc(any(acts, 1) .and. .not. mesh%used, .true., 1))//')', &
+                hint='compare the node numbers of FORCe with those of the elements')
+      acts = acts .and. spread(mesh%used, 1, 3)
+    end if
     n = count(acts .and. held)
     if (n > 0) then
       text = to_text(n)//' of '//to_text(count(acts))//' nodal forces act in directions in ' &
