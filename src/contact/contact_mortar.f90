@@ -82,6 +82,7 @@ contains
 
     mortar%slides = slides
     if (mortar%step /= step) then
+      mortar%iterate = 0
       mortar%fresh = .not. any(abs(x - x_start) > 0.0_wp)
       do k = 1, 2
         if (.not. slides) exit
@@ -92,13 +93,16 @@ contains
     end if
     call add_travel(mortar, contact, x)
     call recut(mortar, contact, x, step, trial, shape, grid)
-    if (.not. trial) mortar%x_iterate = x
+    if (.not. trial) then
+      mortar%x_iterate = x
+      mortar%iterate = mortar%iterate + 1
+    end if
     do k = 1, 2
       if (.not. is_integrated(contact, k)) cycle
       associate (cells => mortar%side(k)%cells, side => mortar%side(k))
         call project_points(contact, k, x, mortar%travel, mortar%reference(k), shape(3 - k), &
                             grid(3 - k), side)
-        call find_pressures(contact, k, side, state%control(k))
+        call find_pressures(contact, k, x, mortar%iterate, side, state%control(k))
         if (slides) call find_slides(mortar, contact, k, state%rubbed(k))
         faced = 0
         slid = 0

@@ -16,8 +16,14 @@ module mortar_control
 
   !> An overlap of a control point is ignored if it is below this fraction of the largest overlap.
   real(wp), parameter :: NO_OVERLAP = 1.0e-10_wp
-  !> A gap below this fraction of the width of the smallest element is due to rounding.
+  !> Surfaces just touch where the gap is below this fraction of the width of the smallest element.
+  !! It may be due to rounding in the file of the mesh.
   real(wp), parameter :: NO_GAP = 1.0e-9_wp
+  !> Rounding error of a gap, relative to the positions of the nodes.
+  real(wp), parameter, public :: GAP_ERROR = 1.0e3_wp*epsilon(1.0_wp)
+  !> After this number of iterations of a step, surfaces touch only where the gap is below its
+  !! rounding error.
+  integer, parameter :: TOUCHES = 10
 
 contains
 
@@ -26,10 +32,14 @@ contains
   !! Where surfaces just touch, rounding decides whether a point is open or closed. Such a point is
   !! given the stiffness of a closed one, and, with friction, that of a point that sticks (see
   !! add_friction). If only a random half of the points had a stiffness, the first iteration could
-  !! lead to a state in which the edges of the bodies no longer meet.
-  subroutine find_pressures(contact, k, side, control)
+  !! lead to a state in which the edges of the bodies no longer meet. This is not the derivative of
+  !! the pressure, however. Thin or stiff bodies penetrate each other by less than NO_GAP, and if
+  !! points that have opened by as little kept this stiffness, the iteration would converge slowly.
+  subroutine find_pressures(contact, k, x, iterate, side, control)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
+    real(wp), intent(in) :: x(:, :)           !! (3, nnode) current positions [L]
+    integer, intent(in) :: iterate            !! see mortar_t
     type(mortar_side_t), intent(inout) :: side
     type(control_points_t), intent(inout) :: control
     real(wp) :: energy, prop(size(contact%normal%prop))
@@ -41,6 +51,11 @@ contains
       width = minval(contact%side(k)%width)
     end if
     side%no_gap = NO_GAP*width
+    side%no_slip = side%no_gap
+    if (iterate > 1) then
+      side%no_slip = min(side%no_gap, GAP_ERROR*maxval(abs(x(:, contact%side(k)%node))))
+    end if
+    if (iterate > TOUCHES) side%no_gap = side%no_slip
     associate (own => contact%side(k), cells => side%cells, law => contact%normal%law)
       control%gap = huge(1.0_wp)
       control%pressure = 0.0_wp

@@ -20,13 +20,11 @@ module mortar_kernel
   use contact_type, only: OPEN, TOUCH
   use contact_work, only: work_t, reserve_partners, reserve_crosses, element_functions, own_share
   use lapack, only: dgemm
+  use mortar_control, only: GAP_ERROR
   use mortar_type, only: mortar_side_t, kernel_t
   implicit none
   private
   public :: form_cells
-
-  !> Rounding error of a gap, relative to the positions of the nodes.
-  real(wp), parameter :: ROUNDING = 1.0e3_wp*epsilon(1.0_wp)
 
 contains
 
@@ -223,7 +221,7 @@ contains
               at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
             end do
             if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
-            at%no_slip = touching_length(foot%gap, side%no_gap, ROUNDING*maxval(abs(xe)))
+            at%no_slip = touching_length(foot%gap, side%no_slip, GAP_ERROR*maxval(abs(xe)))
             call add_friction(contact, dn, dpdx*at%n, work%secant, at, d)
           end if
           side%state(i) = at%state
@@ -264,15 +262,15 @@ contains
 
   !> Slip up to which a point of two surfaces that just touch has the stiffness of sticking;
   !! negative: the surfaces do not just touch. A penetration larger than the rounding error is real:
-  !! the bodies may be so stiff that their penetrations are much smaller than `no_gap`.
-  pure real(wp) function touching_length(gap, no_gap, error) result(length)
+  !! the bodies may be so stiff that their penetrations are much smaller than `no_slip`.
+  pure real(wp) function touching_length(gap, no_slip, error) result(length)
     real(wp), intent(in) :: gap       !! [L]
-    real(wp), intent(in) :: no_gap    !! see mortar_control [L]
+    real(wp), intent(in) :: no_slip   !! see mortar_side_t [L]
     real(wp), intent(in) :: error     !! rounding error of the gap [L]
 
     length = -1.0_wp
-    if (gap >= 0.0_wp .and. gap <= no_gap) length = no_gap
-    if (gap < 0.0_wp .and. gap >= -error) length = min(error, no_gap)
+    if (gap >= 0.0_wp .and. gap <= no_slip) length = no_slip
+    if (gap < 0.0_wp .and. gap >= -error) length = min(error, no_slip)
   end function touching_length
 
   !> Find the derivatives of the traction and of the parameters of a point with respect to the nodes

@@ -23,7 +23,8 @@ module mortar_type
     real(wp), allocatable :: shp(:, :)        !! (nk, n) functions of a point's own element
     real(wp), allocatable :: seen(:)          !! (n) `travel` at the last projection; negative: none
     real(wp), allocatable :: p(:), dp(:)      !! (n) pressure; derivative of its part with eps_1
-    real(wp) :: no_gap = 0.0_wp               !! [L] a smaller gap is due to rounding
+    real(wp) :: no_gap = 0.0_wp               !! [L] points with a smaller gap just touch
+    real(wp) :: no_slip = 0.0_wp              !! [L] points with a smaller gap stick
     integer, allocatable :: slide(:)          !! (n) element of the sliding point; 0: not sought
     !! yet, negative: there is none
     real(wp), allocatable :: slide_xi(:, :)   !! (2, n)
@@ -70,6 +71,7 @@ module mortar_type
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
     integer :: cuts = 0                       !! number of cuts since the iteration settled
+    integer :: iterate = 0                    !! evaluations since the step began, without trials
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
     real(wp) :: travel = 0.0_wp               !! bound on the motion since the last cut [L]
