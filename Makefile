@@ -135,8 +135,9 @@ patch: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify $(addprefix --case ,$(PATCHES)) \
 	  > $(B)/patch.txt; code=$$?; grep -v '  ok$$' $(B)/patch.txt; exit $$code
 
-# Compares the program for several ranks (MPI=1) with the serial one.
+# Compares the program for several ranks (MPI=1) with the serial one, which needs MUMPS without MPI.
 ranks:
+	@MPI= tools/setup.sh
 	@$(MAKE) MPI= $(BUILD)/release/bezel
 	@$(MAKE) MPI=1 $(BUILD)/mpi/bezel
 	@$(PYTHON) -m verification.ranks --bezel $(BUILD)/mpi/bezel --serial $(BUILD)/release/bezel $(ARGS)
