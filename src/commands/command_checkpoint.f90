@@ -184,7 +184,7 @@ contains
       call exchange(x, 'hold_active', hold%active)
       call exchange(x, 'hold_fell', hold%fell)
       call exchange(x, 'hold_warned', hold%warned)
-      call exchange(x, 'hold_warned_energy', hold%warned_energy)
+      call exchange(x, 'hold_warned_share', hold%warned_share)
       call exchange(x, 'hold_energy', hold%energy)
       call exchange(x, 'hold_work', hold%work)
     end associate

@@ -83,8 +83,11 @@ contains
     end do
   end subroutine anchor_force
 
-  !> Find the motion v along which the anchors bear a load, with v.D v = 1, and the load itself. The
-  !! load is a resultant force, or a moment divided by the size of the body.
+  !> Find the motion v along which the anchors bear a load, with v.D v = 1, and the load itself: the
+  !! largest resultant force on a body, or the work of the anchors in this motion divided by the
+  !! largest displacement (the moment divided by the size of the body), whichever is larger. The
+  !! anchor of a rotation has a resultant force if the centre of the rotation is not that of the
+  !! stiffness D.
   subroutine find_load(anchors, body, eq, x, du, motion, load)
     type(anchors_t), intent(in) :: anchors
     type(free_body_t), intent(in) :: body(:)
@@ -95,7 +98,7 @@ contains
     real(wp), intent(out) :: load             !! [F]
     real(wp), allocatable :: v(:, :)
     real(wp) :: q, total
-    integer :: i
+    integer :: b, i
 
     motion = 0.0_wp
     load = 0.0_wp
@@ -111,6 +114,11 @@ contains
     allocate (v(3, size(x, 2)))
     call rigid_field(body, motion, eq, x, v)
     load = sqrt(total/maxval(sum(v**2, 1)))
+    v = 0.0_wp
+    call anchor_force(anchors, du, v)
+    do b = 1, size(body)
+      load = max(load, norm2(sum(v(:, body(b)%node), 2)))
+    end do
   end subroutine find_load
 
   !> Find the displacements of all nodes in rigid motions of the bodies.

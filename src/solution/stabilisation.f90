@@ -81,7 +81,7 @@ module stabilisation
     real(wp) :: work = 0.0_wp            !! work of loads and supports in the same steps [F L]
     real(wp), allocatable :: kept(:, :, :) !! (3, 3, node) blocks without the springs
     logical :: warned = .false.          !! the warning about free motions was issued
-    logical :: warned_energy = .false.   !! the warning about the energy of anchors was issued
+    real(wp) :: warned_share = 0.0_wp    !! share of anchors in the last warning
   end type stabilisation_t
 
 contains

@@ -15,8 +15,9 @@ module stabilisation_report
 
   real(wp), parameter :: ROUGH = 0.2_wp    !! smaller parts of a motion are not named
   real(wp), parameter :: ALONG = 1.0e-6_wp !! smaller components of a unit vector count as zero
-  real(wp), parameter :: MUCH = 1.0e-3_wp  !! work of anchors, relative to all work, that calls for
-  !! another warning
+  real(wp), parameter :: MUCH = 1.0e-4_wp  !! share of anchors in all loads, or in all work, that
+  !! calls for another warning
+  real(wp), parameter :: TENFOLD = 10.0_wp !! growth of this share that calls for another warning
 
 contains
 
@@ -52,9 +53,11 @@ contains
     hold%work = hold%work + 0.5_wp*sum(abs(force*du))
     share = 0.0_wp
     if (hold%work > 0.0_wp) share = hold%energy/hold%work
-    if (hold%warned .and. (hold%warned_energy .or. share <= MUCH)) return
+    call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
+    if (scale > 0.0_wp) load = load/scale
+    if (hold%warned .and. max(share, load) <= max(MUCH, TENFOLD*hold%warned_share)) return
     hold%warned = .true.
-    hold%warned_energy = share > MUCH
+    hold%warned_share = max(share, load)
     names = ''
     rubs = .false.
     waits = .false.
@@ -67,8 +70,6 @@ contains
       rubs = rubs .or. is_on_body(model, acts, hold%body(b)%node)
       waits = waits .or. is_on_body(model, model%contact%friction%given, hold%body(b)%node)
     end do
-    call find_load(anchors, hold%body, model%eq, model%mesh%xr + state%u, du, motion, load)
-    if (scale > 0.0_wp) load = load/scale
     shares = '; stabilising springs prevent this and take '//percent(load)//' of the loads and ' &
              //percent(share)//' of the work'
     if (rubs) then
