@@ -236,6 +236,10 @@ module contact_pair
     integer :: nearest_step = 0              !! 0: before the first step
     logical :: balance_warned = .false., penetration_warned = .false., friction_warned = .false.
     logical :: break_warned = .false.        !! warned about bonds that break within a step
+    !> At the end of the previous step: part of the force that acts between faces which are not
+    !! opposite each other [-].
+    real(wp) :: oblique = 0.0_wp
+    logical :: oblique_warned = .false.      !! warned about a body that stands on its edge
     !> Width of the touching region at the largest force so far, relative to an element
     !! (contact_patch); negative: not measured.
     real(wp) :: patch = -1.0_wp

@@ -89,6 +89,8 @@ contains
     call exchange(archive, group//'/penetration_warned', contact%penetration_warned, error)
     call exchange(archive, group//'/friction_warned', contact%friction_warned, error)
     call exchange(archive, group//'/break_warned', contact%break_warned, error)
+    call exchange(archive, group//'/oblique', contact%oblique, error)
+    call exchange(archive, group//'/oblique_warned', contact%oblique_warned, error)
     call exchange(archive, group//'/patch', contact%patch, error)
     if (archive%writes) return
     contact%force_step = contact%force

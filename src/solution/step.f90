@@ -21,6 +21,7 @@ module step
   use continuation, only: begin_increment, change_method, adapt_method
   use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
+  use edge_contact, only: find_edge_contact, edge_text, keep_edge_contact
   use energy_balance, only: accept_solution
   use energy_growth, only: begin_motion, follow_growth
   use friction_limit, only: sliding_text
@@ -31,7 +32,7 @@ module step
   use solution_state, only: open_step, restore_step
   use stabilisation, only: end_stabilisation
   use stabilisation_report, only: report_stabilisation
-  use step_control, only: set_dt, set_end, accept_time, pass_target, cut_time, whole_step
+  use step_control, only: set_dt, set_end, accept_time, pass_target, may_halve, cut_time, whole_step
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   implicit none
   private
@@ -209,11 +210,34 @@ contains
       step%secant_attempts = step%secant_attempts + 1
       how = ' and secants of friction'
     end if
+    call report_cutback(step, state, why, how)
+  end subroutine choose_attempt
+
+  !> The step has converged, but to a doubtful state: repeat it in halves.
+  subroutine halve_step(step, state, why)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(inout) :: state
+    character(*), intent(in) :: why
+    logical :: possible
+
+    possible = cut_time(step%control)
+    if (possible) call report_cutback(step, state, why, '')
+    call rewind_step(step, state)
+    step%retry = .true.
+  end subroutine halve_step
+
+  !> Count a cut-back, and log it.
+  subroutine report_cutback(step, state, why, how)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(in) :: state
+    character(*), intent(in) :: why
+    character(*), intent(in) :: how      !! what else is changed in the next attempt
+
     step%cutbacks = step%cutbacks + 1
     step%total%cutbacks = step%total%cutbacks + 1
     call log_line('  step '//to_text(state%step)//' is cut back: '//why//'; the next attempt ' &
                   //'has dt = '//to_text(step%control%size)//how)
-  end subroutine choose_attempt
+  end subroutine report_cutback
 
   !> Can secants of friction help? They need friction, and a step whose time is given.
   pure logical function can_use_secants(step, model)
@@ -341,7 +365,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(pass_t) :: pass
     type(jump_t) :: jump
-    integer :: iterations
+    real(wp), allocatable :: share(:)    ! see find_edge_contact
+    integer :: found, iterations
 
     outcome = STEP_IDLE
     if (.not. step%open) return
@@ -372,6 +397,14 @@ contains
       outcome = STEP_REWOUND
       return
     end if
+    call find_edge_contact(step%newton%asm, model, state, share, found)
+    if (found > 0 .and. step%timed .and. .not. step%newton%constraint%on) then
+      if (may_halve(step%control)) then
+        call halve_step(step, state, edge_text(model, found, share(found)))
+        outcome = STEP_REWOUND
+        return
+      end if
+    end if
 
     if (.not. step%newton%converged) then
       step%total%unconverged = .true.
@@ -393,6 +426,7 @@ contains
     call follow_growth(model, state)
     if (jump%suspected) call report_jump(jump, model, state, step%total%jumped)
     call measure_contacts(model, state)
+    call keep_edge_contact(model, state, share, found)
     call follow_gaps(model, state)
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)

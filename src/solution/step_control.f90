@@ -8,7 +8,7 @@ module step_control
   implicit none
   private
   public :: step_control_t, set_dt, set_auto, next_time, next_target, set_end, accept_time, &
-            pass_target, cut_time, whole_step, on_target
+            pass_target, may_halve, cut_time, whole_step, on_target
 
   type :: step_control_t
     real(wp) :: dt = 0.0_wp          !! time between targets
@@ -30,6 +30,7 @@ module step_control
   integer, parameter :: FEW = 6      !! the next step may grow after at most so many iterations
   integer, parameter :: FAIR = 10    !! largest such number for a step smaller than dt
   integer, parameter :: MANY = 15    !! the next step is smaller after more iterations than this
+  integer, parameter :: FINE = 16    !! see may_halve
   integer, parameter :: PATIENCE = 8 !! number of steps of limited length after a failed one
   real(wp), parameter :: SHORTER = 0.75_wp !! largest length of these steps, relative to the failed
   !! one, if this is longer than dt
@@ -163,6 +164,18 @@ contains
     control%target = control%target + control%passed
     control%reduced = .false.
   end subroutine pass_target
+
+  !> May a step that has converged be halved to look for another state? Its halves have at least the
+  !! length dtmin and at least 1/FINE of the time between targets.
+  pure function may_halve(control) result(yes)
+    type(step_control_t), intent(in) :: control
+    logical :: yes
+    real(wp) :: half
+
+    half = 0.5_wp*(control%to - control%from)
+    yes = control%automatic .and. half >= control%dtmin .and. &
+          half >= (1.0_wp - NEARLY)*control%dt/FINE
+  end function may_halve
 
   !> Halve a failed step. The result is false if half of the step is smaller than dtmin.
   function cut_time(control) result(possible)
