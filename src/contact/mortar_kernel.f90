@@ -14,7 +14,7 @@
 !! components, and then the same for the other element.
 module mortar_kernel
   use base_kinds, only: wp
-  use contact_pair, only: contact_t
+  use contact_pair, only: contact_t, surface_t
   use contact_point, only: point_t, traction_derivatives_t, vary_normal, vary_projection, &
                            add_friction, outer
   use contact_type, only: OPEN, TOUCH
@@ -22,6 +22,7 @@ module mortar_kernel
   use lapack, only: dgemm
   use mortar_control, only: GAP_ERROR
   use mortar_type, only: mortar_side_t, kernel_t
+  use projection_type, only: foot_t
   implicit none
   private
   public :: form_cells
@@ -53,9 +54,8 @@ contains
         m = count(kernel%slot(from:n) == slot)
         nl = other%first(work%partner(slot) + 1) - other%first(work%partner(slot))
         call reserve(nk, nl, m, kernel)
-        call form_points(contact, k, slot, from, nk, nl, 3*(nk + nl), m, x, dt_first, tangent, &
-                         side, kernel%point, kernel%slide_slot, kernel%xe, kernel%own, &
-                         kernel%shp, kernel%slope, kernel%dt, kernel%dxi, kernel%ds, work)
+        call form_points(contact, k, slot, from, nk, nl, m, x, dt_first, tangent, side, kernel, &
+                         work)
         if (tangent) then
           call add_products(nk, nl, 3*(nk + nl), m, slot, kernel%own, kernel%shp, kernel%slope, &
                             kernel%dt, kernel%dxi, kernel%k, work)
@@ -175,90 +175,148 @@ contains
               kernel%dxi(4*nd*m), kernel%ds(3, 3, 2*m), kernel%k(3*max(nk, nl)*nd))
   end subroutine reserve
 
-  !> For the points that face one partner, find the tractions, the states, the forces, and the
-  !! factors of the derivatives of the forces.
-  pure subroutine form_points(contact, k, slot, from, nk, nl, nd, m, x, dt_first, tangent, side, &
-                              point, slide_slot, xe, own_shp, shp, slope, dt, dxi, ds, work)
+  !> For the m points that face one partner, find the tractions, the states, the forces, and with
+  !! `tangent` the factors of the derivatives of the forces.
+  pure subroutine form_points(contact, k, slot, from, nk, nl, m, x, dt_first, tangent, side, &
+                              kernel, work)
     type(contact_t), intent(in) :: contact
-    integer, intent(in) :: k, slot, nk, nl, nd, m
-    integer, intent(in) :: from               !! the first of the m points in `point`
+    integer, intent(in) :: k, slot, nk, nl, m
+    integer, intent(in) :: from               !! the first of the m points in `kernel%point`
     real(wp), intent(in) :: x(:, :), dt_first
     logical, intent(in) :: tangent
     type(mortar_side_t), intent(inout) :: side
-    integer, intent(in) :: point(:), slide_slot(:)
-    real(wp), intent(in) :: xe(3, nk)
-    real(wp), intent(inout) :: own_shp(nk, m), shp(nl, m), slope(nl, 2, m, 3)
-    real(wp), intent(inout) :: dt(nd, 3, m), dxi(nd, 2, m), ds(:, :, :)
+    type(kernel_t), intent(inout) :: kernel
     type(work_t), intent(inout) :: work
     type(point_t) :: at
-    type(traction_derivatives_t) :: d, dn
-    real(wp) :: dshp(2, nl), h(3, 2), c(2, 2), g(3), t(3), load, share
-    integer :: b, f, i, j, p, s
+    type(traction_derivatives_t) :: d
+    real(wp) :: shp(nl), dshp(2, nl), load, share
+    integer :: i, p, s
 
-    f = work%partner(slot)
     share = own_share(contact)
     associate (other => contact%side(3 - k))
       do p = 1, m
-        i = point(from + p - 1)
-        s = slide_slot(from + p - 1)
-        associate (foot => side%cells%foot(i), dpdx => side%dp(i))
-          own_shp(:, p) = side%shp(:nk, i)
-          call element_functions(other, f, foot%xi, shp(:, p), dshp)
-          at = point_t(p=side%p(i), state=merge(TOUCH, OPEN, side%p(i) > 0.0_wp))
-          do b = 1, nk
-            at%x = at%x + own_shp(b, p)*xe(:, b)
-          end do
-          call vary_normal(foot, at%x, at%n, dn)
-          at%t = at%p*at%n
-          d%x = outer(at%n, dpdx*at%n) + at%p*dn%x
-          d%p = -outer(at%n, dpdx*at%n) + at%p*dn%p
-          d%a = at%p*dn%a
-          d%s = 0.0_wp
-          at%slides = s > 0
-          if (at%slides) then
-            b = other%first(side%slide(i)) - 1
-            do j = 1, other%first(side%slide(i) + 1) - 1 - b
-              at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
-            end do
-            if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
-            at%no_slip = touching_length(foot%gap, side%no_slip, GAP_ERROR*maxval(abs(xe)))
-            call add_friction(contact, dn, dpdx*at%n, work%secant, at, d)
-          end if
-          side%state(i) = at%state
-          side%friction(:, i) = at%friction
-          side%elastic(:, i) = at%elastic
-          side%slip(i) = at%slip
-          load = share*side%cells%weight(i)
-          t = load*at%t
-          do b = 1, nk
-            work%r(:, b) = work%r(:, b) - own_shp(b, p)*t
-          end do
-          do b = 1, nl
-            work%back(:, b, slot) = work%back(:, b, slot) + shp(b, p)*t
-          end do
-          if (.not. tangent) cycle
-          call vary_projection(foot, at%x, h, c, g)
-        end associate
-        do i = 1, 3
-          do b = 1, nl
-            slope(b, 1, p, i) = at%t(i)*dshp(1, b)
-            slope(b, 2, p, i) = at%t(i)*dshp(2, b)
-          end do
-        end do
-        call vary_both(nk, nl, own_shp(:, p), shp(:, p), dshp, load, d, h, c, g, dt(:, :, p), &
-                       dxi(:, :, p))
-        ds(:, :, p) = load*d%s
-        if (s /= slot) cycle
-        do i = 1, 3
-          do j = 1, 3
-            b = 3*nk + (j - 1)*nl
-            dt(b + 1:b + nl, i, p) = dt(b + 1:b + nl, i, p) &
-                                     + ds(i, j, p)*side%slide_shp(:nl, point(from + p - 1))
-          end do
-        end do
+        i = kernel%point(from + p - 1)
+        s = kernel%slide_slot(from + p - 1)
+        call find_traction(contact, other, i, s > 0, nk, kernel%xe, side%shp(:, i), x, dt_first, &
+                           work%secant, side, at, d)
+        call element_functions(other, work%partner(slot), side%cells%foot(i)%xi, shp, dshp)
+        load = share*side%cells%weight(i)
+        call add_forces(nk, nl, side%shp(:, i), shp, load*at%t, work%r, work%back(:, :, slot))
+        if (.not. tangent) cycle
+        call find_factors(nk, nl, m, p, side%cells%foot(i), side%shp(:, i), shp, dshp, at, d, &
+                          load, kernel)
+        if (s == slot) call add_sliding(nk, nl, p, side%slide_shp(:, i), kernel)
       end do
     end associate
   end subroutine form_points
+
+  !> Find the traction of point i and its derivatives, and store the state and the friction of the
+  !! point.
+  pure subroutine find_traction(contact, other, i, slides, nk, xe, own_shp, x, dt_first, secant, &
+                                side, at, d)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other      !! the surface that the point faces
+    integer, intent(in) :: i, nk
+    logical, intent(in) :: slides             !! friction acts, and the point has a sliding point
+    real(wp), intent(in) :: xe(3, nk)         !! positions of the nodes of its element [L]
+    real(wp), intent(in) :: own_shp(nk)       !! their functions at the point
+    real(wp), intent(in) :: x(:, :), dt_first !! see form_cells
+    logical, intent(in) :: secant             !! see add_friction
+    type(mortar_side_t), intent(inout) :: side
+    type(point_t), intent(out) :: at
+    type(traction_derivatives_t), intent(out) :: d
+    type(traction_derivatives_t) :: dn
+    integer :: b, j
+
+    associate (foot => side%cells%foot(i), dpdx => side%dp(i))
+      at%p = side%p(i)
+      at%state = merge(TOUCH, OPEN, at%p > 0.0_wp)
+      do b = 1, nk
+        at%x = at%x + own_shp(b)*xe(:, b)
+      end do
+      call vary_normal(foot, at%x, at%n, dn)
+      at%t = at%p*at%n
+      d%x = outer(at%n, dpdx*at%n) + at%p*dn%x
+      d%p = -outer(at%n, dpdx*at%n) + at%p*dn%p
+      d%a = at%p*dn%a
+      at%slides = slides
+      if (slides) then
+        b = other%first(side%slide(i)) - 1
+        do j = 1, other%first(side%slide(i) + 1) - 1 - b
+          at%xs = at%xs + side%slide_shp(j, i)*x(:, other%node(b + j))
+        end do
+        if (dt_first > 0.0_wp) at%ahead = side%ahead(i)*dt_first
+        at%no_slip = touching_length(foot%gap, side%no_slip, GAP_ERROR*maxval(abs(xe)))
+        call add_friction(contact, dn, dpdx*at%n, secant, at, d)
+      end if
+    end associate
+    side%state(i) = at%state
+    side%friction(:, i) = at%friction
+    side%elastic(:, i) = at%elastic
+    side%slip(i) = at%slip
+  end subroutine find_traction
+
+  !> Add the forces that the traction of a point exerts on both elements.
+  pure subroutine add_forces(nk, nl, own_shp, shp, t, r, back)
+    integer, intent(in) :: nk, nl
+    real(wp), intent(in) :: own_shp(nk), shp(nl)
+    real(wp), intent(in) :: t(3)                 !! traction times weight [F]
+    real(wp), intent(inout) :: r(3, nk), back(3, nl) !! [F]
+    integer :: b
+
+    do b = 1, nk
+      r(:, b) = r(:, b) - own_shp(b)*t
+    end do
+    do b = 1, nl
+      back(:, b) = back(:, b) + shp(b)*t
+    end do
+  end subroutine add_forces
+
+  !> Find the factors of the derivatives of the forces of point p of m: functions, slopes times
+  !! traction, and the derivatives of traction and parameters.
+  pure subroutine find_factors(nk, nl, m, p, foot, own_shp, shp, dshp, at, d, load, kernel)
+    integer, intent(in) :: nk, nl, m, p
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: own_shp(nk), shp(nl), dshp(2, nl)
+    type(point_t), intent(in) :: at
+    type(traction_derivatives_t), intent(in) :: d
+    real(wp), intent(in) :: load              !! weight [L^2]
+    type(kernel_t), intent(inout) :: kernel
+    real(wp) :: h(3, 2), c(2, 2), g(3)
+    integer :: b, i, n, nd
+
+    nd = 3*(nk + nl)
+    kernel%own(nk*(p - 1) + 1:nk*p) = own_shp
+    kernel%shp(nl*(p - 1) + 1:nl*p) = shp
+    do i = 1, 3
+      n = 2*nl*(m*(i - 1) + p - 1)
+      do b = 1, nl
+        kernel%slope(n + b) = at%t(i)*dshp(1, b)
+        kernel%slope(n + nl + b) = at%t(i)*dshp(2, b)
+      end do
+    end do
+    call vary_projection(foot, at%x, h, c, g)
+    call vary_both(nk, nl, own_shp, shp, dshp, load, d, h, c, g, kernel%dt(3*nd*(p - 1) + 1), &
+                   kernel%dxi(2*nd*(p - 1) + 1))
+    kernel%ds(:, :, p) = load*d%s
+  end subroutine find_factors
+
+  !> Add to the derivatives of the traction of point p those by way of its sliding point, which lies
+  !! on the element that the point faces.
+  pure subroutine add_sliding(nk, nl, p, slide_shp, kernel)
+    integer, intent(in) :: nk, nl, p
+    real(wp), intent(in) :: slide_shp(nl)     !! functions at the sliding point
+    type(kernel_t), intent(inout) :: kernel
+    integer :: i, j, n, nd
+
+    nd = 3*(nk + nl)
+    do i = 1, 3
+      do j = 1, 3
+        n = nd*(3*(p - 1) + i - 1) + 3*nk + (j - 1)*nl
+        kernel%dt(n + 1:n + nl) = kernel%dt(n + 1:n + nl) + kernel%ds(i, j, p)*slide_shp
+      end do
+    end do
+  end subroutine add_sliding
 
   !> Slip up to which a point of two surfaces that just touch has the stiffness of sticking;
   !! negative: the surfaces do not just touch. A penetration larger than the rounding error is real:
