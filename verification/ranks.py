@@ -93,6 +93,20 @@ def ranks_of(process):
     return [int(child) for child in path.read_text().split()]
 
 
+def steps_in(folder):
+    """Number of steps in the curves of a run; 0 if there is no curve yet."""
+    return max((path.read_text().count("\n") - 1 for path in folder.glob("*.dat")), default=0)
+
+
+def wait_for_steps(process, folder, steps):
+    """Wait until a run has written this number of steps; return whether it is still running. How
+    long this takes depends on what else the computer does.
+    """
+    while steps_in(folder) < steps and process.poll() is None:
+        time.sleep(0.02)
+    return process.poll() is None
+
+
 def curves(folder):
     return sorted(path.name for path in folder.glob("*.dat"))
 
@@ -180,6 +194,7 @@ class Driver:
         deck, _ = DECKS[FAULTS]
         serial = self.top / f"{FAULTS}_faults"
         self.program.run(0, deck, serial)
+        steps = steps_in(serial)
         begin = time.time()
         self.report("faults: 3 ranks", self.ends(self.program.run(3, deck, self.top / "f3"), 0))
         seconds = time.time() - begin
@@ -192,7 +207,9 @@ class Driver:
         ):
             out = self.top / text.replace(" ", "_")
             process = self.program.start(3, deck, out)
-            time.sleep(random.uniform(0.4, 0.7) * seconds)
+            if not wait_for_steps(process, out, int(random.uniform(0.4, 0.7) * steps)):
+                self.report(f"faults: {text}", f"ended too early with exit code {process.wait()}")
+                continue
             try:
                 for pid, number in hit(ranks_of(process)) or [(process.pid, signal.SIGUSR1)]:
                     os.kill(pid, number)
