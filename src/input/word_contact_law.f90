@@ -250,12 +250,13 @@ contains
       law%given = .true.
       return
     end do
+    known = 'known laws:'//known
+    if (role == NORMAL) known = known//'; options follow it, as in NORMal PENAlty AUTO BORDer 0.2'
     if (line%is_empty(i)) then
-      call fail(error, DECK_ERROR, 'the law of '//line%text(1)//' is missing', line%place(i), &
-                'known laws:'//known)
+      call fail(error, DECK_ERROR, 'the law of '//line%text(1)//' is missing', line%place(i), known)
     else
       call fail(error, DECK_ERROR, 'unknown law '//quoted(line%text(i))//' of '//line%text(1), &
-                line%place(i), 'known laws:'//known)
+                line%place(i), known)
     end if
   end subroutine find_law
 
