@@ -379,19 +379,7 @@ contains
 
     call close_newton(step%newton, model, state, pass, error)
     if (allocated(error)) return
-    if (pass%ok .and. step%control%automatic) then
-      if (flies_off(model, state)) then
-        pass%trouble = 'a body that nothing holds has moved far away'
-        pass%ok = .false.
-      else if (.not. step%newton%converged) then
-        pass%trouble = 'no convergence'
-        pass%ok = .false.
-      end if
-    end if
-    if (pass%ok) then
-      call find_jump(model, state, pass%trouble)
-      pass%ok = .not. allocated(pass%trouble)
-    end if
+    if (pass%ok) call find_trouble(step, model, state, pass)
     if (.not. pass%ok) then
       call cut_step(step, model, state, pass%trouble, place, error)
       outcome = STEP_REWOUND
@@ -444,6 +432,24 @@ contains
     step%solved = .false.
     outcome = STEP_ACCEPTED
   end subroutine close_step
+
+  !> Find a reason why a step cannot be accepted although no solve of it failed.
+  subroutine find_trouble(step, model, state, pass)
+    type(step_t), intent(in) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(pass_t), intent(inout) :: pass
+
+    if (step%control%automatic) then
+      if (flies_off(model, state)) then
+        pass%trouble = 'a body that nothing holds has moved far away'
+      else if (.not. step%newton%converged) then
+        pass%trouble = 'no convergence'
+      end if
+    end if
+    if (.not. allocated(pass%trouble)) call find_jump(model, state, pass%trouble)
+    pass%ok = .not. allocated(pass%trouble)
+  end subroutine find_trouble
 
   !> In a model with contact, has a node moved in this step farther than twice the sum of the size
   !! of the model and the largest prescribed displacement? A body that is held neither by contact
