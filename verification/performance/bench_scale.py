@@ -27,7 +27,7 @@ WAYS_AT = 32  # size at which the ways of storing factors are compared
 #: FACTor, and the limit of the address space [MB] that makes the program choose each way at
 #: WAYS_AT.
 WAYS = (("FULL", None), ("AUTO", None), ("FULL", 2200), ("AUTO", 1500))
-NOTE = "factors are made "
+NOTE = "factors are computed "
 DGEMM = "dgemm 500 [GFLOP/s]"  # the entry of record.json, in double precision
 PARTS = ("assembly", "analyse", "factorise", "solve")
 
