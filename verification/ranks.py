@@ -51,6 +51,12 @@ FAULTS = "contact"  #: the deck used for kills, signals and limits
 #: Where friction is at its limit, round-off decides whether a point sticks, and the sticking area
 #: changes by the area of that point.
 GAPS = {"self": 1e-8}
+#: Number of rows after which only the counts are compared. In the last eleven steps of `local`, no
+#: bond holds the strip any more, and it turns freely about the edge that is lifted, so that errors
+#: of rounding move it: if the lift of the serial program changes by a part in 1e14, the force changes
+#: by up to 6e-10 and the kinetic energy by 2e-8. In the rows before, no column changes by more than
+#: 1e-12.
+ROWS = {"local": 50}
 CLOSE = 1e-9  #: allowed difference of a curve, relative to the largest value in the column
 COUNTS = ("step", "iterations", "cutbacks", "converged")
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "--quiet"]
@@ -126,9 +132,9 @@ def same(a, b):
     return None
 
 
-def close(a, b, tolerance=CLOSE):
-    """Compare the curves of two folders; return (reason why they are not close, or None; their
-    largest difference).
+def close(a, b, tolerance=CLOSE, rows=None):
+    """Compare the curves of two folders, the counts in all rows and the other columns in the first
+    `rows`; return (reason why they are not close, or None; their largest difference).
     """
     if curves(a) != curves(b):
         return f"curves {curves(a)} and {curves(b)}", 0.0
@@ -145,7 +151,7 @@ def close(a, b, tolerance=CLOSE):
             if column.startswith("book_"):  # small differences of large numbers
                 scale = max(np.abs(v).max() for n, v in zip(head, left.T) if n.startswith("book_"))
             if scale > 0 and column not in COUNTS:
-                worst = max(worst, np.abs(values - others).max() / scale)
+                worst = max(worst, np.abs(values - others)[:rows].max() / scale)
     return (None if worst <= tolerance else f"curves differ by {worst:.1e}"), worst
 
 
@@ -181,7 +187,7 @@ class Driver:
             elif nrank == 1:
                 trouble = same(serial, out)
             else:
-                trouble, worst = close(serial, out, GAPS.get(name, CLOSE))
+                trouble, worst = close(serial, out, GAPS.get(name, CLOSE), ROWS.get(name))
                 text += f", differs by {worst:.0e}"
             self.report(text, trouble)
             shutil.rmtree(out, ignore_errors=True)
