@@ -6,13 +6,16 @@
 !! and all its points would slip. It therefore takes the shortest way to the surface, unless the
 !! load is so oblique that friction cannot hold the body anyway, or supports do not admit this way,
 !! or several surfaces are about equally near, as in a groove.
+!!
+!! If the surface belongs to a body that itself takes the shortest way to a surface, as in a tower
+!! of blocks, the body on top moves along with it. Once the lower body is at rest, the upper one
+!! closes the gap between them.
 module approach
   use base_kinds, only: wp
   use contact_assembly, only: friction_acts
-  use contact_pair, only: contact_t
   use contact_type, only: MU
   use model, only: model_t, state_t
-  use rigid_modes, only: free_body_t, is_within_body
+  use rigid_modes, only: free_body_t
   use surface_distance, only: find_distance
   implicit none
   private
@@ -23,10 +26,22 @@ module approach
   real(wp), parameter :: AS_NEAR = 0.1_wp !! difference between equally near surfaces, relative to
   !! the width of an element
 
+  !> A surface that a body may approach.
+  type :: goal_t
+    integer :: body = 0                  !! the body that approaches
+    integer :: other = 0                 !! the body of the surface; 0 if it is at rest
+    integer :: contact = 0
+    real(wp) :: gap = 0.0_wp             !! distance [L]
+    real(wp) :: way(3) = 0.0_wp          !! shortest way, of length one; zero if it is not known
+    real(wp) :: width = 0.0_wp           !! smallest width of an element of the body [L]
+  end type goal_t
+
 contains
 
   !> Turn the translation `du` of each body towards the nearest surface if friction can hold the
-  !! body there under a force along `du`.
+  !! body there under a force along `du`. If this surface moves, the body moves along with it.
+  !! Bodies are turned in the order of their distances from surfaces at rest and from bodies that
+  !! have been turned.
   subroutine approach_surface(body, model, state, du, fell)
     type(free_body_t), intent(in) :: body(:)
     type(model_t), intent(in) :: model
@@ -34,87 +49,122 @@ contains
     real(wp), intent(inout) :: du(:, :)  !! (3, nnode) translations of bodies, of any length
     logical, intent(inout) :: fell       !! set if a body keeps the direction of its load
     real(wp), allocatable :: length(:)   !! (nnode) [L]
-    real(wp) :: way(3)
-    logical :: found
-    integer :: b
+    type(goal_t), allocatable :: goal(:)
+    real(wp) :: step(3), steps(3, size(body))
+    logical :: waits(size(body)), known(0:size(body)), found
+    integer :: b, g, nearest
 
     length = norm2(du, 1)
     where (length <= SAME*maxval(length)) length = 0.0_wp
-    do b = 1, size(body)
-      associate (node => body(b)%node)
-        if (.not. any(length(node) > 0.0_wp)) cycle
-        call find_way(body(b), model, state, du, length, way, found)
-        if (found) found = .not. any(model%eq(:, node) <= 0 &
-                                     .and. spread(abs(way), 2, size(node)) > SAME)
-        fell = fell .or. .not. found
+    call list_goals(body, model, state, length, goal)
+    waits = [(any(length(body(b)%node) > 0.0_wp), b=1, size(body))]
+    known = .false.
+    known(0) = .true.                    ! surfaces at rest
+    do
+      nearest = 0
+      do b = 1, size(body)
+        if (.not. waits(b)) cycle
+        call find_goal(body(b), model, state, du, length, goal, &
+                       goal%body == b .and. known(goal%other), g)
+        if (g == 0) cycle
+        if (nearest > 0) then
+          if (goal(g)%gap >= goal(nearest)%gap) cycle
+        end if
+        associate (node => body(b)%node)
+          if (goal(g)%other == 0) then
+            step = goal(g)%way*maxval(length(node))
+          else
+            step = steps(:, goal(g)%other)
+          end if
+          found = .not. any(model%eq(:, node) <= 0 &
+                            .and. spread(abs(step) > SAME*norm2(step), 2, size(node)))
+        end associate
         if (.not. found) cycle
-        du(:, node) = merge(spread(way, 2, size(node))*spread(length(node), 1, 3), 0.0_wp, &
-                            model%eq(:, node) > 0)
+        steps(:, b) = step
+        nearest = g
+      end do
+      if (nearest == 0) exit
+      b = goal(nearest)%body
+      waits(b) = .false.
+      known(b) = .true.
+      associate (node => body(b)%node)
+        du(:, node) = merge(spread(steps(:, b), 2, size(node)), 0.0_wp, &
+                            model%eq(:, node) > 0 .and. spread(length(node) > 0.0_wp, 1, 3))
       end associate
     end do
+    fell = fell .or. any(waits)
   end subroutine approach_surface
 
-  !> Find the shortest way of a body to a surface at rest. It is not `found` if the translations of
-  !! the nodes differ, if surfaces in different directions are about equally near, or if friction
+  !> List the surfaces that the moving bodies may approach.
+  subroutine list_goals(body, model, state, length, goal)
+    type(free_body_t), intent(in) :: body(:)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: length(:)    !! (nnode) lengths of translations [L]
+    type(goal_t), allocatable, intent(out) :: goal(:)
+    type(goal_t) :: new
+    real(wp) :: towards(3)
+    integer :: owner(size(length))       !! body of each node, if the body moves
+    integer :: b, c, k
+
+    allocate (goal(0))
+    owner = 0
+    do b = 1, size(body)
+      if (any(length(body(b)%node) > 0.0_wp)) owner(body(b)%node) = b
+    end do
+    do c = 1, size(model%contact)
+      associate (side => model%contact(c)%side)
+        if (model%contact(c)%self) cycle
+        if (all(owner(side(1)%node) == 0) .and. all(owner(side(2)%node) == 0)) cycle
+        new%contact = c
+        new%gap = find_distance(model%contact(c), model%mesh%xr, model%mesh%xr + state%u, towards)
+        do k = 1, 2
+          new%other = owner(side(3 - k)%node(1))
+          if (any(owner(side(3 - k)%node) /= new%other)) cycle
+          new%way = merge(towards, -towards, k == 1)
+          new%width = minval(side(k)%width)
+          do b = 1, size(body)
+            new%body = b
+            if (b /= new%other .and. any(owner(side(k)%node) == b)) goal = [goal, new]
+          end do
+        end do
+      end associate
+    end do
+  end subroutine list_goals
+
+  !> Find the surface that a body approaches. There is none (`nearest` is zero) if the translations
+  !! of the nodes differ, if surfaces in different directions are about equally near, or if friction
   !! cannot hold the body at the nearest surface.
-  subroutine find_way(body, model, state, du, length, way, found)
+  subroutine find_goal(body, model, state, du, length, goal, counts, nearest)
     type(free_body_t), intent(in) :: body
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     real(wp), intent(in) :: du(:, :), length(:)
-    real(wp), intent(out) :: way(3)      !! of length one
-    logical, intent(out) :: found
-    real(wp) :: e(3), towards(3), h, gap, distance(size(model%contact))
-    real(wp) :: ways(3, size(model%contact))
-    integer :: c, n, side
-    logical :: is_own(size(du, 2))
+    type(goal_t), intent(in) :: goal(:)
+    logical, intent(in) :: counts(:)     !! surfaces of which one is chosen
+    integer, intent(out) :: nearest
+    real(wp) :: e(3), h
+    integer :: g, i, n
 
-    found = .false.
+    nearest = 0
+    if (.not. any(counts)) return
     n = body%node(maxloc(length(body%node), 1))
     e = du(:, n)/length(n)
-    do c = 1, size(body%node)
-      n = body%node(c)
+    do i = 1, size(body%node)
+      n = body%node(i)
       if (length(n) > 0.0_wp .and. norm2(du(:, n) - length(n)*e) > SAME*length(n)) return
     end do
-    is_own = .false.
-    is_own(body%node) = .true.
-    distance = huge(distance)
-    h = huge(h)
-    do c = 1, size(model%contact)
-      associate (contact => model%contact(c))
-        if (is_within_body(model, c)) cycle
-        side = side_of_body(contact, is_own)
-        if (side == 0) cycle
-        if (any(length(contact%side(3 - side)%node) > 0.0_wp)) cycle
-        distance(c) = find_distance(contact, model%mesh%xr, model%mesh%xr + state%u, towards)
-        ways(:, c) = merge(towards, -towards, side == 1)
-        h = min(h, minval(contact%side(side)%width))
-      end associate
-    end do
-    if (.not. any(distance < huge(distance))) return
-    n = minloc(distance, 1)
-    gap = distance(n)
-    way = ways(:, n)
-    if (.not. any(abs(way) > 0.0_wp)) return
-    do c = 1, size(distance)
-      if (distance(c) > gap + AS_NEAR*h) cycle
-      if (norm2(ways(:, c) - way) > SAME) return
-    end do
-    if (.not. friction_acts(model%contact(n), state)) return
-    associate (mu_n => model%contact(n)%friction%prop(MU))
-      found = dot_product(way, e)*sqrt(1.0_wp + mu_n**2) >= 1.0_wp
+    n = minloc(goal%gap, 1, counts)
+    associate (way => goal(n)%way, contact => model%contact(goal(n)%contact))
+      if (.not. any(abs(way) > 0.0_wp)) return
+      h = minval(goal%width, counts)
+      do g = 1, size(goal)
+        if (.not. counts(g) .or. goal(g)%gap > goal(n)%gap + AS_NEAR*h) cycle
+        if (norm2(goal(g)%way - way) > SAME) return
+      end do
+      if (.not. friction_acts(contact, state)) return
+      if (dot_product(way, e)*sqrt(1.0_wp + contact%friction%prop(MU)**2) >= 1.0_wp) nearest = n
     end associate
-  end subroutine find_way
-
-  !> The side of a contact that belongs to the body with the nodes `is_own`, or 0.
-  pure integer function side_of_body(contact, is_own) result(side)
-    type(contact_t), intent(in) :: contact
-    logical, intent(in) :: is_own(:)     !! (nnode)
-
-    do side = 2, 1, -1
-      if (any(is_own(contact%side(side)%node))) return
-    end do
-    side = 0
-  end function side_of_body
+  end subroutine find_goal
 
 end module approach

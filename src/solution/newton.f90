@@ -278,6 +278,7 @@ contains
         call renew_anchors(newton, model, state, loaded)
         if (loaded) then
           call approach_surface(hold%body, model, state, du, hold%fell)
+          du = du/sqrt(maxval(sum(du**2, 1)))
           call free_part(model%eq, du, newton%dx)
           call find_reach(hold, model, state, du, reach)
           s = reach

@@ -7,9 +7,10 @@
 !! 1. If a translation has no stiffness (less than NO_STIFFNESS) and a load acts along it, the body
 !!    "flies": it is moved in that direction, or the shortest way to a surface whose friction can
 !!    hold it (module approach), up to the nearest other surface and then farther, by
-!!    distances that begin with a millionth of the width of an element and grow. As soon as contact
-!!    resists, Newton's iteration continues from there. If the body meets no surface, the step
-!!    fails.
+!!    distances that begin with a millionth of the width of an element and grow. If several bodies
+!!    move, each contact limits the move by its gap and the relative velocity of its surfaces. As
+!!    soon as contact resists, Newton's iteration continues from there. If the body meets no
+!!    surface, the step fails.
 !! 2. If a motion has little stiffness (less than WEAK, or a negative one), an anchor (module
 !!    anchors) resists displacements along this motion, measured from the start of the step. An
 !!    example is a ball that can turn and slide on a plate without friction. If the anchor bears
@@ -71,7 +72,8 @@ module stabilisation
     logical :: springs = .false.         !! the tangent of this iteration has springs
     logical :: used = .false.            !! an iteration of this step had springs
     integer :: moves = 0                 !! number of moves in this step
-    integer :: at_contact = 0 !! number of consecutive moves that began at another surface
+    integer, allocatable :: at_contact(:) !! (contact) number of consecutive moves that began where
+    !! its surfaces touched
     real(wp), allocatable :: shift(:, :) !! (3, body) sum of the moves of the step [L]
     !> (6, body, m) motions that nothing resists: m orthonormal vectors of 6*body coefficients.
     real(wp), allocatable :: unheld(:, :, :)
@@ -105,6 +107,7 @@ contains
           hold%body(b) = body(list(b))
         end do
       end if
+      allocate (hold%at_contact(size(model%contact)))
       allocate (hold%shift(3, size(hold%body)), hold%unheld(6, size(hold%body), 0), &
                 hold%weak(6, size(hold%body), 0))
       hold%known = .true.
@@ -336,8 +339,8 @@ contains
                             [6, size(hold%body), size(hold%released, 3) + 1])
   end subroutine release_loaded
 
-  !> Find the distance that bodies may move at once [L]: up to the nearest other surface, and a
-  !! little into it. Contacts between surfaces that move together do not count.
+  !> Find the distance that bodies may move at once [L]: until the first two surfaces meet, and a
+  !! little farther. Contacts between surfaces that move together do not count.
   subroutine find_reach(hold, model, state, du, reach)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
@@ -345,50 +348,59 @@ contains
     real(wp), intent(in) :: du(:, :)     !! (3, nnode) the motion, of any length
     real(wp), intent(out) :: reach
     real(wp), allocatable :: x(:, :)
-    real(wp) :: depth, gap, h, little
-    logical :: counts(size(model%contact))
+    real(wp) :: depth, gap, h, little, speed(size(model%contact))
+    logical :: within
     integer :: c, k
 
     allocate (x, source=model%mesh%xr + state%u)
-    gap = huge(gap)
     h = huge(h)
     depth = huge(depth)
     do c = 1, size(model%contact)
-      counts(c) = changes_gap(model%contact(c), du)
-    end do
-    if (.not. any(counts)) counts = .true.
-    do c = 1, size(model%contact)
       associate (contact => model%contact(c))
-        if (counts(c)) counts(c) = .not. is_within_body(model, c)
-        if (counts(c)) gap = min(gap, find_distance(contact, model%mesh%xr, x))
+        speed(c) = relative_speed(contact, du)
         depth = min(depth, contact%depth)
         do k = 1, 2
           if (.not. contact%side(k)%rigid) h = min(h, minval(contact%side(k)%width))
         end do
       end associate
     end do
-    little = min(LONGEST*min(h, depth), FIRST*h*GROWTH**min(20, hold%at_contact))
-    hold%at_contact = merge(hold%at_contact + 1, 0, gap <= little)
-    reach = gap + little
+    if (.not. any(speed > 0.0_wp)) speed = 1.0_wp
+    reach = huge(reach)
+    do c = 1, size(model%contact)
+      associate (n => hold%at_contact(c))
+        little = min(LONGEST*min(h, depth), FIRST*h*GROWTH**min(20, n))
+        n = n + 1
+        gap = huge(gap)
+        if (speed(c) > 0.0_wp) then
+          within = is_within_body(model, c)
+          if (.not. within) gap = find_distance(model%contact(c), model%mesh%xr, x)
+          if (gap < huge(gap)) reach = min(reach, (gap + little)/speed(c))
+        end if
+        if (gap > little) n = 0
+      end associate
+    end do
   end subroutine find_reach
 
-  !> Does a motion change the distance of the two surfaces of a contact? It does not if all their
-  !! nodes have the same displacement.
-  pure logical function changes_gap(contact, du) result(yes)
+  !> A bound on the relative velocity of two surfaces of a contact if the fastest node of the model
+  !! has the velocity one. It is exact if each surface moves as a whole, and zero if all nodes have
+  !! the same displacement.
+  pure real(wp) function relative_speed(contact, du) result(speed)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: du(:, :)     !! (3, nnode)
-    real(wp) :: first(3), difference
+    real(wp) :: mean(3, 2)
     integer :: i, k
 
-    first = du(:, contact%side(1)%node(1))
-    difference = 0.0_wp
+    speed = 0.0_wp
     do k = 1, 2
-      do i = 1, size(contact%side(k)%node)
-        difference = max(difference, norm2(du(:, contact%side(k)%node(i)) - first))
-      end do
+      associate (node => contact%side(k)%node)
+        mean(:, k) = sum(du(:, node), 2)/size(node)
+        speed = speed + maxval([(norm2(du(:, node(i)) - mean(:, k)), i=1, size(node))])
+      end associate
     end do
-    yes = contact%self .or. difference > PURE*sqrt(maxval(sum(du**2, 1)))
-  end function changes_gap
+    speed = (speed + norm2(mean(:, 1) - mean(:, 2)))/sqrt(maxval(sum(du**2, 1)))
+    if (speed <= PURE) speed = 0.0_wp
+    if (contact%self) speed = max(speed, 1.0_wp)
+  end function relative_speed
 
   !> Add the springs to the tangent.
   subroutine add_springs(hold, k)
