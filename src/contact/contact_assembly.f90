@@ -28,7 +28,7 @@ module contact_assembly
   private
   public :: contact_work_t, new_contact_work, begin_contact, set_secant, find_contact, &
             contact_cliques, map_contact, add_contact, accept_contact, friction_acts, &
-            overlap_found, overlap_accepted
+            overlap_found, overlap_accepted, has_stale_cells
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of each contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the time step
@@ -160,6 +160,19 @@ contains
       end associate
     end do
   end subroutine find_contact
+
+  !> Do the cells of a contact belong to other positions than those of find_contact, and will they be
+  !! cut again? The forces of such cells may be in equilibrium by chance, for example where a
+  !! surface has slid along another one.
+  pure logical function has_stale_cells(work) result(yes)
+    type(contact_work_t), intent(in) :: work(:)
+    integer :: c
+
+    yes = .false.
+    do c = 1, size(work)
+      yes = yes .or. work(c)%mortar%stale
+    end do
+  end function has_stale_cells
 
   !> Largest penetration of the mortar contacts at the positions of find_contact, relative to the
   !! size of the smallest facet.

@@ -288,13 +288,14 @@ contains
       if (.not. far > MOVED_FAR*mortar%least) then
         if (trial) return
         if (increment > SETTLES*mortar%least) mortar%cuts = 0
-        if (increment > SETTLES*mortar%least .or. mortar%cuts >= MOST_CUTS) return
-        if (far <= MOVED*mortar%least) return
+        mortar%stale = far > MOVED*mortar%least .and. mortar%cuts < MOST_CUTS
+        if (increment > SETTLES*mortar%least .or. .not. mortar%stale) return
         mortar%cuts = mortar%cuts + 1
       end if
     else
       mortar%cuts = 0
     end if
+    mortar%stale = .false.
     mortar%x_cut = x
     mortar%travel = 0.0_wp                   ! motion is counted from this cut
     if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a position is not finite

@@ -71,6 +71,8 @@ module mortar_type
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
     integer :: cuts = 0                       !! number of cuts since the iteration settled
+    logical :: stale = .false.                !! surfaces have moved since the last cut, and the
+    !! cells will be cut again
     integer :: iterate = 0                    !! evaluations since the step began, without trials
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut

@@ -9,6 +9,7 @@
 module convergence
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_kinds, only: wp
+  use contact_assembly, only: has_stale_cells
   use contact_pair, only: MORTAR
   use csr, only: block_matrix_t, diagonal_block
   use mesh, only: mesh_t
@@ -18,7 +19,7 @@ module convergence
   private
   public :: check_convergence, energy_tolerance, force_tolerance, find_largest_residual, &
             node_spacing, find_floor, needs_line_search, needs_signs, find_forcing, damping, &
-            count_flips, turns_back
+            count_flips, turns_back, has_lost_balance
 
   !> Rounding error of an energy, relative to the sum of |f||u|.
   real(wp), parameter :: ROUNDING = (1.0e3_wp*epsilon(1.0_wp))**2
@@ -31,6 +32,9 @@ module convergence
   !> The residual does not matter if the energy of the increment is at most this many times that of
   !! rounding errors, as where a tool pushes a free body and the force of contact vanishes.
   real(wp), parameter :: NEGLIGIBLE = 100.0_wp
+  !> Largest residual after the last increment, relative to the largest nodal force. A larger one
+  !! means that contact has changed in this increment.
+  real(wp), parameter :: LOST = 1.0e-3_wp
   real(wp), parameter :: FLOOR_OF_FORCE = 16.0_wp*epsilon(1.0_wp)
   !> Relative rounding error of displacements. It is larger than FLOOR_OF_FORCE because the softest
   !! motion of a slender body magnifies rounding errors of the forces.
@@ -87,7 +91,20 @@ contains
       newton%converged = pass%residual <= max(force_tolerance(pass), ENOUGH &
                                               *sqrt(newton%tolerance)*pass%sweep%largest)
     end if
+    newton%converged = newton%converged .and. .not. has_stale_cells(newton%asm%contact)
   end subroutine check_convergence
+
+  !> Have the forces of contact changed so much in the last increment, which passed the test, that they are not
+  !! in equilibrium any more? `newton%dx` is this increment, and `newton%rhs` belongs to the
+  !! positions after it.
+  pure logical function has_lost_balance(newton, pass) result(yes)
+    type(newton_t), intent(in) :: newton
+    type(pass_t), intent(in) :: pass
+
+    yes = size(newton%asm%contact) > 0 .and. &
+          pass%residual > max(force_tolerance(pass), LOST*pass%sweep%largest) .and. &
+          abs(dot_product(newton%dx, newton%rhs)) > NEGLIGIBLE*energy_floor(pass)
+  end function has_lost_balance
 
   !> Was the increment computed with the whole tangent, up to a small error?
   pure logical function is_newton_increment(newton)

@@ -8,11 +8,12 @@ module newton
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
-  use contact_assembly, only: begin_contact, set_secant, overlap_found, overlap_accepted
+  use contact_assembly, only: begin_contact, set_secant, overlap_found, overlap_accepted, &
+                              has_stale_cells
   use continuation_type, only: turns_away
   use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
-                         needs_signs, find_forcing, damping, count_flips
+                         needs_signs, find_forcing, damping, count_flips, has_lost_balance
   use csr, only: multiply
   use failure_text, only: name_element, name_singularity
   use line_search, only: search_line, step_by, retreat
@@ -427,7 +428,7 @@ contains
   end subroutine name_trouble
 
   !> Find the reactions at the final displacements. A step that has not passed its test yet is
-  !! tested once more.
+  !! tested once more, and so is one whose last increment has changed the forces.
   subroutine close_newton(newton, model, state, pass, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -443,9 +444,11 @@ contains
       pass%trouble = 'the step does not continue in the direction of the previous one'
       return
     end if
+    if (newton%converged) newton%converged = .not. has_lost_balance(newton, pass)
     if (newton%converged .or. newton%moves) return
     newton%converged = pass%residual <= force_tolerance(pass) &
-                       .and. pass%sweep%enhanced <= energy_tolerance(newton, pass)
+                       .and. pass%sweep%enhanced <= energy_tolerance(newton, pass) &
+                       .and. .not. has_stale_cells(newton%asm%contact)
     if (.not. newton%converged) return
     call release_loaded(newton%hold, model, state, newton%asm%anchors, &
                         sum_of_loads(newton, model, state), loaded)
