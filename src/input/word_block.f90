@@ -9,7 +9,7 @@
 !!
 !! Source: FEAPpv's manual
 module word_block
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
@@ -18,6 +18,7 @@ module word_block
   use input_draft, only: draft_t, next_data
   use input_fields, only: get_numbers
   use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
+  use input_twice, only: replaced_t, note_replaced, warn_replaced, warn_node_twice
   use tensor, only: det3
   implicit none
   private
@@ -26,6 +27,9 @@ module word_block
   character(12), parameter, public :: BLOCK_RECORDS(4) = ['CARTesian   ', 'BRICk       ', &
                                                           'HEXA        ', 'MATErial    ']
   integer, parameter :: BRICK_8 = 10, BRICK_27 = 12 !! FEAP's block types
+
+  real(wp), parameter :: SAME = 1.0e-6_wp !! nodes closer than this times the size of the block are
+  !! at the same position
 
   !> Positions of FEAP's 27 master nodes in tensor order; FEAP's element nodes have another order.
   integer, parameter :: MASTER27(27) = [1, 3, 9, 7, 19, 21, 27, 25, 10, 12, 18, 16, 2, 6, 8, 4, 5, &
@@ -107,7 +111,7 @@ contains
     end do
     call check_block(draft, record, spec, error)
     if (allocated(error)) return
-    call make_nodes(draft, spec)
+    call make_nodes(draft, spec, record%place(1))
     if (spec%element < 0) return
     call add_place(draft%places, record%place(1))
     call make_elements(draft, spec)
@@ -198,10 +202,12 @@ contains
   !> Make nodes at equal intervals of the parameters of the master block; r varies fastest. Missing
   !! master nodes follow FEAP's rules: edges are straight, and the centres of the faces
   !! and of the block are interpolated.
-  subroutine make_nodes(draft, spec)
+  subroutine make_nodes(draft, spec, place)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
+    type(place_t), intent(in) :: place !! of BLOCk
     real(wp) :: list(3, 27), x(3, 3, 3, 3), edges(3), corners(3), f1(3), f2(3), f3(3), p(3)
+    real(wp) :: corner(3, 8), extent
     logical :: given(27)
     integer :: i, j, k, a, b, c, n
 
@@ -232,6 +238,8 @@ contains
     end if
     call grow_nodes(draft%nodes, spec%node + product(spec%n + 1) - 1)
     n = spec%node - 1
+    corner = reshape(x(:, 1:3:2, 1:3:2, 1:3:2), [3, 8])
+    extent = norm2(draft%turn)*maxval(maxval(corner, 2) - minval(corner, 2))
     do k = 0, spec%n(3)
       f3 = functions(k, spec%n(3))
       do j = 0, spec%n(2)
@@ -247,7 +255,12 @@ contains
             end do
           end do
           n = n + 1
-          draft%nodes%x(:, n) = matmul(draft%turn, p) + draft%shift
+          p = matmul(draft%turn, p) + draft%shift
+          if (norm2(draft%nodes%x(:, n) - p) > SAME*extent) then ! blocks may share nodes
+            call warn_node_twice(draft, place, n, 'BLOCk replaces the earlier nodes: give ' &
+                                 //'another node1, or 0 to continue after the last node')
+          end if
+          draft%nodes%x(:, n) = p
           draft%nodes%given(n) = .true.
           draft%nodes%weight(n) = 0.0_wp
         end do
@@ -280,6 +293,7 @@ contains
   subroutine make_elements(draft, spec)
     type(draft_t), intent(inout) :: draft
     type(block_spec_t), intent(in) :: spec
+    type(replaced_t) :: replaced
     integer :: m, nen, i, j, k, a, b, c, e, at, box(27), node(27)
 
     m = merge(1, 2, spec%type == BRICK_8)
@@ -305,6 +319,7 @@ contains
           end if
           if (det3(draft%turn) < 0.0_wp) node(:nen) = node(MIRRORED(:nen))
           e = e + 1
+          call note_replaced(draft, e, draft%places%at(draft%places%n), replaced)
           associate (list => draft%elements)
             list%node(:, e) = 0
             list%node(:nen, e) = node(:nen)
@@ -315,6 +330,8 @@ contains
         end do
       end do
     end do
+    call warn_replaced('BLOCk', replaced, 'the later elements replace those with the same ' &
+                       //'numbers: give another elmt1, or 0 to continue after the last element')
     draft%elements%top = max(draft%elements%top, e)
     draft%last_element = e
     draft%last_material = spec%material

@@ -16,6 +16,7 @@ module word_elements
   use element_type, only: element_t
   use input_draft, only: draft_t, next_data, check_number, check_increment
   use input_lists, only: grow_elements, add_place
+  use input_twice, only: replaced_t, note_replaced, warn_replaced
   use mesh_shape, only: node_counts
   implicit none
   private
@@ -40,6 +41,7 @@ contains
     type(record_t) :: line
     type(entry_t) :: e, last
     type(element_t), allocatable :: rows(:)
+    type(replaced_t) :: replaced
     logical :: more, old
     integer :: i, material
 
@@ -64,9 +66,11 @@ contains
     end do
     do
       call next_data(draft, deck, line, more, error)
-      if (allocated(error) .or. .not. more) return
+      if (allocated(error)) return
+      if (.not. more) exit
       call read_entry(draft, deck, line, old, pack(rows%deck_nodes, rows%deck_nodes > 0), e, error)
-      if (allocated(error) .or. e%number == 0) return
+      if (allocated(error)) return
+      if (e%number == 0) exit
       if (material > 0) e%material = material
       if (e%number <= last%number) then
         call fail(error, DECK_ERROR, 'element '//to_text(e%number)//' follows element ' &
@@ -76,13 +80,15 @@ contains
       do while (last%number > 0 .and. last%number < e%number - 1) ! generate the elements in between
         last%number = last%number + 1
         where (last%node > 0) last%node = last%node + last%increment
-        call store(draft, last, line, error)
+        call store(draft, last, line, replaced, error)
         if (allocated(error)) return
       end do
-      call store(draft, e, line, error)
+      call store(draft, e, line, replaced, error)
       if (allocated(error)) return
       last = e
     end do
+    call warn_replaced('ELEMents', replaced, 'the later elements replace those with the same ' &
+                       //'numbers: give them other numbers')
   end subroutine read_elements
 
   !> Read one element. The number 0 ends the data in the same way as a blank record (FEAP).
@@ -183,10 +189,11 @@ contains
   end subroutine collect_numbers
 
   !> Store an element in the list of the draft.
-  subroutine store(draft, e, record, error)
+  subroutine store(draft, e, record, replaced, error)
     type(draft_t), intent(inout) :: draft
     type(entry_t), intent(inout) :: e
     type(record_t), intent(in) :: record
+    type(replaced_t), intent(inout) :: replaced
     type(error_t), allocatable, intent(out) :: error
     integer :: i, nen
 
@@ -202,6 +209,7 @@ contains
       e%place = draft%places%n
     end if
     call grow_elements(draft%elements, e%number, nen)
+    call note_replaced(draft, e%number, record%place(1), replaced)
     associate (list => draft%elements)
       list%node(:, e%number) = 0
       list%node(:nen, e%number) = e%node

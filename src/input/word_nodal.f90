@@ -21,6 +21,8 @@ module word_nodal
   private
   public :: read_boundary, read_load_numbers, read_vectors
 
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! vectors whose relative difference is less are equal
+
 contains
 
   !> Read BOUNdary: `n g code1 code2 code3`.
@@ -31,6 +33,9 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     integer :: n, step, last, last_step, code(3), i
+    logical :: told    ! a warning about generation was issued
+    logical :: ends    ! the last record ends a generation
+    logical :: given(3)
 
     call check_count(record, 1, 1, "BOUNdary has no options; records 'n g code1 code2 code3' " &
                      //'follow', error)
@@ -38,6 +43,8 @@ contains
     call note_order(draft, C_FIXED)
     n = 0
     step = 0
+    told = .false.
+    ends = .false.
     do
       last = n
       last_step = step
@@ -47,9 +54,15 @@ contains
       call get_numbers(deck, line, 3, code, error, 0)
       if (allocated(error)) return
       associate (codes => draft%nodes%code)
+        given = code /= 0
         if (last > 0) where (code == 0 .and. codes(:, last) < 0) code = -1
+        call warn_freed(draft, line, n, codes(:, n) /= 0 .and. code == 0)
         codes(:, n) = code
-        if (last == 0 .or. last_step == 0) cycle
+        if (last == 0) cycle
+        if (.not. told) call warn_generation(line, last, n, last_step, codes(:, last), &
+                                             merge(code, 0, given), ends, told)
+        ends = last_step /= 0 .and. any(codes(:, last) < 0)
+        if (last_step == 0) cycle
         last_step = sign(last_step, n - last)
         do i = last + last_step, n, last_step
           if (i == n) exit
@@ -58,6 +71,78 @@ contains
       end associate
     end do
   end subroutine read_boundary
+
+  !> Warn, once, if a record of BOUNdary frees directions of its node that earlier ones restrain.
+  subroutine warn_freed(draft, line, n, freed)
+    type(draft_t), intent(inout) :: draft
+    type(record_t), intent(in) :: line
+    integer, intent(in) :: n
+    logical, intent(in) :: freed(3)
+    character(:), allocatable :: text
+    integer :: d
+
+    if (draft%twice(C_FIXED) .or. .not. any(freed)) return
+    draft%twice(C_FIXED) = .true.
+    text = ''
+    do d = 1, 3
+      if (.not. freed(d)) cycle
+      if (len(text) > 0) text = text//' and '
+      text = text//to_text(d)
+    end do
+    text = trim(merge('direction ', 'directions', count(freed) == 1))//' '//text
+    call warn('BOUNdary is given twice at node '//to_text(n)//', and this record frees '//text &
+              //' again; further such nodes are not reported', line%place(1), &
+              'the later record replaces all codes of the node (FEAP): give them in one record, ' &
+              //'or add codes with EBOUndary or FIX')
+  end subroutine warn_freed
+
+  !> Warn if a restraint that is meant for the nodes between two records of BOUNdary does not act
+  !! there, or if an increment generates restraints backwards.
+  subroutine warn_generation(line, last, n, step, code, next, ends, told)
+    type(record_t), intent(in) :: line
+    integer, intent(in) :: last, n, step !! nodes of the two records, increment of the first one
+    integer, intent(in) :: code(3), next(3) !! codes of the two records
+    logical, intent(in) :: ends          !! the first record ends a generation
+    logical, intent(out) :: told
+    character(:), allocatable :: text, otherwise
+
+    told = .false.
+    if (any(code < 0)) call warn_backwards(line, last, n, step, 'restraints', told)
+    if (told) return
+    if (step == 0) then
+      told = any(code < 0 .and. next < 0) .and. abs(n - last) > 1 .and. .not. ends
+      text = 'the negative code of node '//to_text(last)//' restrains no nodes up to node ' &
+             //to_text(n)//', because its increment is 0'
+      otherwise = 'a positive code'
+    else
+      told = any(code > 0) .and. all(code >= 0 .and. next >= 0) .and. abs(n - last) > abs(step) &
+             .and. (n > last .or. step < 0)
+      text = 'the increment '//to_text(step)//' of node '//to_text(last)//' restrains no nodes ' &
+             //'up to node '//to_text(n)//', because none of its codes is negative'
+      otherwise = 'the increment 0'
+    end if
+    if (.not. told) return
+    call warn(text//'; further such records are not reported', line%place(1), &
+              'for the nodes in between, give node '//to_text(last)//' an increment and a ' &
+              //'negative code; otherwise give it '//otherwise)
+  end subroutine warn_generation
+
+  !> Warn if a positive increment generates values backwards, because it is left over from the last
+  !! record of a line of nodes and the next line begins at a lower node.
+  subroutine warn_backwards(line, last, n, step, what, told)
+    type(record_t), intent(in) :: line
+    integer, intent(in) :: last, n, step !! nodes of two records, increment of the first one
+    character(*), intent(in) :: what     !! what is generated
+    logical, intent(out) :: told
+
+    told = step > 0 .and. last - n > step
+    if (.not. told) return
+    call warn('the increment '//to_text(step)//' of node '//to_text(last)//' generates '//what &
+              //' backwards, from node '//to_text(last - step)//' down to node ' &
+              //to_text(last - step*((last - n - 1)/step))//'; further such records are not ' &
+              //'reported', line%place(1), 'give the last record of a line the increment 0; if ' &
+              //'these nodes are meant, write a negative increment')
+  end subroutine warn_backwards
 
   !> Read FPROportional: `n g k1 k2 k3`.
   subroutine read_load_numbers(draft, deck, record, error)
@@ -101,10 +186,14 @@ contains
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: fields
+    character(:), allocatable :: fields, hint
     type(record_t) :: line
     logical :: is_force
-    integer :: n, step, last, last_step
+    logical :: twice   ! the record replaces the vector of its node
+    logical :: acts    ! the vector of this record or that of the last one is not zero
+    logical :: told    ! a warning about generation was issued
+    integer :: again   ! a node whose vector generation replaces; 0: none
+    integer :: n, step, last, last_step, kind
     real(wp) :: x(3)
 
     is_force = record%key(1) == 'forc'
@@ -113,9 +202,11 @@ contains
     call check_count(record, 1, 1, record%text(1)//' has no options; records '//fields//' follow', &
                      error)
     if (allocated(error)) return
-    call note_order(draft, merge(C_FORCE, C_VALUE, is_force))
+    kind = merge(C_FORCE, C_VALUE, is_force)
+    call note_order(draft, kind)
     n = 0
     step = 0
+    told = .false.
     do
       last = n
       last_step = step
@@ -126,31 +217,58 @@ contains
       x = matmul(draft%turn, x)
       if (last == n) last_step = 0
       if (is_force) then
-        if (.not. (n == last .and. step /= 0)) call warn_replaced(draft, line, n)
+        twice = draft%nodes%forced(n) .and. any(abs(draft%nodes%force(:, n)) > 0.0_wp)
         draft%nodes%forced(n) = .true.
         draft%nodes%force(:, n) = x
-        call interpolate_between(draft%nodes%force, last, n, last_step)
+        call interpolate_between(draft%nodes%force, last, n, last_step, again, &
+                                 draft%nodes%forced)
+        acts = any(abs(draft%nodes%force(:, [max(last, 1), n])) > 0.0_wp)
       else
+        twice = is_lost(draft%nodes%value(:, n), x)
         draft%nodes%value(:, n) = x
         if (.not. allocated(draft%nodes%disp%file)) draft%nodes%disp = line%place(1)
-        call interpolate_between(draft%nodes%value, last, n, last_step)
+        call interpolate_between(draft%nodes%value, last, n, last_step, again)
+        acts = any(abs(draft%nodes%value(:, [max(last, 1), n])) > 0.0_wp)
+      end if
+      if (twice .and. .not. (n == last .and. step /= 0)) then
+        hint = 'the later record replaces the earlier one (FEAP): remove one of them'
+        if (is_force) hint = 'the later record replaces the earlier one (FEAP): give the sum, or ' &
+                             //'use CFORce,ADD'
+        call warn_replaced(draft, line, kind, n, hint)
+      else if (again > 0) then
+        call warn_replaced(draft, line, kind, again, 'the increment '//to_text(last_step) &
+                           //' of node '//to_text(last)//' generates it again and replaces the ' &
+                           //'earlier value (FEAP): give the last record of a line the increment 0')
+      else if (last > 0 .and. acts .and. .not. told) then
+        call warn_backwards(line, last, n, last_step, &
+                            trim(merge('forces       ', 'displacements', is_force)), told)
       end if
     end do
   end subroutine read_vectors
 
-  !> Warn, once, if a record of FORCe replaces the force that an earlier one gives to its node.
-  subroutine warn_replaced(draft, line, n)
+  !> Warn, once for each word, if a record of FORCe or DISPlacement replaces the vector that an
+  !! earlier one gives to a node.
+  subroutine warn_replaced(draft, line, kind, n, hint)
     type(draft_t), intent(inout) :: draft
     type(record_t), intent(in) :: line
+    integer, intent(in) :: kind !! C_FORCE or C_VALUE
     integer, intent(in) :: n
+    character(*), intent(in) :: hint
 
-    if (draft%force_twice .or. .not. draft%nodes%forced(n)) return
-    if (.not. any(abs(draft%nodes%force(:, n)) > 0.0_wp)) return
-    draft%force_twice = .true.
-    call warn('FORCe is given twice at node '//to_text(n)//'; further such nodes are not ' &
-              //'reported', line%place(1), 'the later record replaces the earlier one (FEAP): ' &
-              //'give the sum, or use CFORce,ADD')
+    if (draft%twice(kind)) return
+    draft%twice(kind) = .true.
+    call warn(trim(merge('FORCe       ', 'DISPlacement', kind == C_FORCE))//' is given twice at ' &
+              //'node '//to_text(n)//'; further such nodes are not reported', line%place(1), &
+              hint)
   end subroutine warn_replaced
+
+  !> Does a vector replace an earlier one that is not zero and not equal to it?
+  pure logical function is_lost(earlier, later)
+    real(wp), intent(in) :: earlier(3), later(3)
+
+    is_lost = any(abs(earlier) > 0.0_wp) .and. &
+              norm2(later - earlier) > ROUNDING*max(norm2(later), norm2(earlier))
+  end function is_lost
 
   !> Record how many conditions by position precede the first record of this kind.
   pure subroutine note_order(draft, kind)
@@ -191,18 +309,26 @@ contains
   end subroutine read_head
 
   !> Interpolate the columns between a and b linearly; do nothing if a or the increment is 0.
-  pure subroutine interpolate_between(x, a, b, increment)
+  pure subroutine interpolate_between(x, a, b, increment, again, named)
     real(wp), intent(inout) :: x(:, :) !! (3, >= max(a, b))
     integer, intent(in) :: a, b, increment
-    real(wp) :: dx(3)
+    integer, intent(out) :: again      !! the first column whose earlier value is lost; 0: none
+    logical, intent(in), optional :: named(:) !! (>= max(a, b)) only these columns count
+    real(wp) :: dx(3), next(3)
     integer :: n, step
 
+    again = 0
     if (a == 0 .or. increment == 0) return
     step = sign(increment, b - a)
     dx = (x(:, b) - x(:, a))/real((abs(b - a + step) - 1)/abs(step), wp)
     do n = a + step, b, step
       if (n == b) exit
-      x(:, n) = x(:, n - step) + dx
+      next = x(:, n - step) + dx
+      if (again == 0) then
+        if (is_lost(x(:, n), next)) again = n
+        if (again > 0 .and. present(named)) again = merge(n, 0, named(n))
+      end if
+      x(:, n) = next
     end do
   end subroutine interpolate_between
 

@@ -5,13 +5,13 @@
 module word_nodes
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_log, only: warn
   use base_text, only: to_text
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, next_data, check_number, check_increment
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes
+  use input_twice, only: warn_node_twice
   use tensor, only: det3
   implicit none
   private
@@ -63,11 +63,8 @@ contains
         return
       end if
       call grow_nodes(draft%nodes, n)
-      if (draft%nodes%given(n) .and. n /= last .and. .not. draft%node_twice) then
-        draft%node_twice = .true.
-        call warn('node '//to_text(n)//' is given twice; further such nodes are not reported', &
-                  line%place(1), 'the later record replaces the earlier one: remove one of them')
-      end if
+      if (n /= last) call warn_node_twice(draft, line%place(1), n, 'the later record replaces ' &
+                                          //'the earlier one: remove one of them')
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)
       if (n == last) then
         call fail(error, DECK_ERROR, 'node '//to_text(n)//' is given twice in succession', &
@@ -80,6 +77,12 @@ contains
            /real((abs(n - last + last_step) - 1)/abs(last_step), wp)
       do i = last + last_step, n, last_step
         if (i == n) exit
+        if (draft%nodes%given(i)) then
+          call warn_node_twice(draft, line%place(1), i, 'the increment ' &
+                               //to_text(abs(last_step))//' of node '//to_text(last) &
+                               //' generates it again: give the last record of a line the ' &
+                               //'increment 0')
+        end if
         w = 0.0_wp
         if (weighted) w = merge(draft%nodes%weight(i), 1.0_wp, draft%nodes%weight(i) > 0.0_wp)
         call set_point(i, draft%nodes%x(:, i - last_step) + dx, w) ! FEAP adds up the increments
