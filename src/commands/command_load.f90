@@ -4,6 +4,7 @@ module command_load
   use base_kinds, only: wp
   use base_sort, only: unique
   use base_text, only: to_text
+  use command_step, only: finish_solved_step
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, data_t, &
                           whole_field, check_fields
   use deck_expression, only: set_parameter
@@ -235,9 +236,12 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(load_table_t), allocatable :: longer(:)
     integer :: first, last, n
+    logical :: rewound
 
     call table_range(command, first, last, error)
     if (allocated(error) .or. run%program%dry) return
+    call finish_solved_step(run, rewound, error)
+    if (allocated(error) .or. rewound) return
     associate (table => command%data(command%visit)%table)
       do n = first, last
         call warn_jump(run, n, table(n - first + 1), command%record%place(1))

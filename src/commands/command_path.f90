@@ -5,7 +5,7 @@ module command_path
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: quoted, to_text
-  use command_step, only: finish_step
+  use command_step, only: finish_solved_step
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, set_rates, BACKWARD_EULER, NEWMARK, HHT
@@ -166,17 +166,6 @@ contains
       yes = yes .and. any([(list(i)%record%key(1) == 'rest', i=1, size(list))])
     end associate
   end function continues_motion
-
-  !> Close the current step if a system was solved in it, because the inertia of this step follows
-  !! from earlier commands. `rewound` is true if the step is repeated.
-  subroutine finish_solved_step(run, rewound, error)
-    type(run_t), intent(inout) :: run
-    logical, intent(out) :: rewound
-    type(error_t), allocatable, intent(out) :: error
-
-    rewound = .false.
-    if (run%step%open .and. run%step%solved) call finish_step(run, rewound, error)
-  end subroutine finish_solved_step
 
   !> Warn about parameters for which long steps are unstable.
   !!

@@ -12,7 +12,7 @@ module command_step
   use step, only: begin_step, close_step, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   implicit none
   private
-  public :: open_step_here, take_outcome, finish_step
+  public :: open_step_here, take_outcome, finish_step, finish_solved_step
 
   integer, parameter :: RESTART_EVERY = 10 !! steps between restart points if factors are kept
 
@@ -61,6 +61,17 @@ contains
     call write_step(run, error)
     call run%timers%stop('output')
   end subroutine finish_step
+
+  !> Close the current step if a system was solved in it, because its loads and its inertia follow
+  !! from earlier commands. `rewound` is true if the step is repeated.
+  subroutine finish_solved_step(run, rewound, error)
+    type(run_t), intent(inout) :: run
+    logical, intent(out) :: rewound
+    type(error_t), allocatable, intent(out) :: error
+
+    rewound = .false.
+    if (run%step%open .and. run%step%solved) call finish_step(run, rewound, error)
+  end subroutine finish_solved_step
 
   !> Write the rows of the curves, the contacts in the log, fields and a checkpoint.
   subroutine write_step(run, error)
