@@ -161,8 +161,8 @@ contains
     end do
   end subroutine find_contact
 
-  !> Do the cells of a contact belong to other positions than those of find_contact, and will they be
-  !! cut again? The forces of such cells may be in equilibrium by chance, for example where a
+  !> Do the cells of a contact belong to other positions than those of find_contact, and will they
+  !! be cut again? The forces of such cells may be in equilibrium by chance, for example where a
   !! surface has slid along another one.
   pure logical function has_stale_cells(work) result(yes)
     type(contact_work_t), intent(in) :: work(:)

@@ -94,9 +94,9 @@ contains
     newton%converged = newton%converged .and. .not. has_stale_cells(newton%asm%contact)
   end subroutine check_convergence
 
-  !> Have the forces of contact changed so much in the last increment, which passed the test, that they are not
-  !! in equilibrium any more? `newton%dx` is this increment, and `newton%rhs` belongs to the
-  !! positions after it.
+  !> Have the forces of contact changed so much in the last increment, which passed the test, that
+  !! they are not in equilibrium any more? `newton%dx` is this increment, and `newton%rhs` belongs
+  !! to the positions after it.
   pure logical function has_lost_balance(newton, pass) result(yes)
     type(newton_t), intent(in) :: newton
     type(pass_t), intent(in) :: pass
