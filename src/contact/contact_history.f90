@@ -179,7 +179,8 @@ contains
 
   !> Set the sliding point of point i, which comes into contact in this step, to its projection at
   !! the start of the step. Friction then resists the whole tangential motion of the step, as it
-  !! does at points whose sliding points were set when the previous step was accepted.
+  !! does at points whose sliding points were set when the previous step was accepted. A point whose
+  !! projection failed, as on a badly distorted surface, has no sliding point.
   subroutine enter_slide(contact, k, shape, grid, x_start, i, points)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k, i
@@ -199,7 +200,7 @@ contains
     else
       points%slide(i) = foot%outer
       points%slide_xi(:, i) = foot%outer_xi
-      if (contact%scheme /= HALFPASS) then
+      if (contact%scheme /= HALFPASS .and. foot%outer > 0) then
         points%slide_xi(:, i) = slide_beyond(contact%side(3 - k), shape, foot, xp(:, 1))
       end if
     end if
