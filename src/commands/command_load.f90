@@ -76,7 +76,15 @@ contains
       end if
       associate (table => data%table(i))
         call get_real(run%deck, record, 1, kind, error)
-        if (allocated(error)) return
+        if (allocated(error)) then
+          if (any(record%key(1) == ['disp', 'reac'])) then
+            error%message = "expected a table of PROP, found the record '"//record%text(1) &
+                            //"' of TPLOt"
+            error%hint = 'the data after END follow in the order in which the commands run: ' &
+                         //'tables of a PROP that runs before TPLOt come first'
+          end if
+          return
+        end if
         table%kind = findloc(abs([1.0_wp, 2.0_wp] - kind) <= 8*epsilon(kind), .true., 1)
         select case (table%kind)
         case (1)

@@ -94,7 +94,8 @@ contains
       quantity%id = Q_NODAL
     case default
       call fail(error, DECK_ERROR, "unknown quantity '"//record%text(1)//"' of TPLOt", &
-                record%place(1), USAGE//'; for stresses use CURVe with STREss')
+                record%place(1), USAGE//'; for stresses use CURVe with STREss; the data after ' &
+                //'END follow in the order in which the commands run')
       return
     end select
     call get_integer(run%deck, record, 2, node, error, 0)

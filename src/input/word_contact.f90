@@ -77,6 +77,8 @@ contains
       call next_line(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
+      call check_option(line, error)
+      if (allocated(error)) return
       call check_record(line, CONTACT_RECORDS, 'CONTact', &
                         'contact '//quoted(entry%contact%name), seen, error)
       if (allocated(error)) return
@@ -123,6 +125,23 @@ contains
     call check_complete(entry, error)
     draft%contact(size(draft%contact)) = entry
   end subroutine read_contact
+
+  !> An option of a record is not a record of its own: name the record to which it belongs.
+  subroutine check_option(line, error)
+    type(record_t), intent(in) :: line
+    type(error_t), allocatable, intent(out) :: error
+    character(4), parameter :: OPTIONS(8) = ['refi', 'pair', 'smoo', 'bord', 'afte', 'irre', &
+                                             'visc', 'gap ']
+    character(10), parameter :: OWNER(8) = &
+                                [character(10) :: 'QUADrature', 'NORMal', 'NORMal', 'NORMal', &
+                                                   'FRICtion', 'COHEsive', 'COHEsive', 'BONDed']
+    integer :: i
+
+    i = findloc(OPTIONS, line%key(1), 1)
+    if (i == 0) return
+    call fail(error, DECK_ERROR, quoted(line%text(1))//' is not a record of a CONTact', &
+              line%place(1), 'it is an option: write it at the end of the record '//trim(OWNER(i)))
+  end subroutine check_option
 
   !> Read SCHEme HALFpass, BALAnced or MORTar.
   subroutine read_scheme(line, entry, error)
