@@ -165,22 +165,23 @@ contains
 
     call set_map(basis%dshp(:, :, q), xr, t)
     call invert(t, jac, ok)
-    call set_map(basis%dshp(:, :, q), u, h)
-    call multiply(h, t, dg)
-    if (basis%nmode > 0) call enhance(basis, q, centre, jac0, jac, a, m, dg)
-    do j = 1, 3
-      dg(:, j, j) = dg(:, j, j) + 1.0_wp
-    end do
+    call set_map(basis%dshp(:, :, q), u, dg)
+    call multiply(dg, t, h)
+    if (basis%nmode > 0) call enhance(basis, q, centre, jac0, jac, a, m, h)
     if (associated(material%moduli_batch)) then
-      call material%moduli_batch(prop, dg, tau, lam, mus, fine)
+      call material%moduli_batch(prop, h, tau, lam, mus, fine)
     else
       do l = 1, NB
-        call material%moduli(prop, dg(l, :, :), tau(l, :), lam(l), mus(l), fine(l))
+        call material%moduli(prop, h(l, :, :), tau(l, :), lam(l), mus(l), fine(l))
       end do
     end if
     ok = ok .and. fine
     w = basis%wgt(q)*jac
     if (material%finite) then
+      dg = h
+      do j = 1, 3
+        dg(:, j, j) = dg(:, j, j) + 1.0_wp
+      end do
       call invert(dg, det, ok)
       h = t
       call multiply(h, dg, t)
@@ -207,12 +208,12 @@ contains
 
   !> Compute the covectors of the modes at a point, and add the contribution of the modes to the
   !! displacement gradient.
-  pure subroutine enhance(basis, q, centre, jac0, jac, a, m, dg)
+  pure subroutine enhance(basis, q, centre, jac0, jac, a, m, h)
     type(basis_t), intent(in) :: basis
     integer, intent(in) :: q
     real(wp), intent(in) :: centre(NB, 3, 3), jac0(NB), jac(NB), a(NB, 3, NM)
     real(wp), intent(out) :: m(NB, 3, NM)
-    real(wp), intent(inout) :: dg(NB, 3, 3)
+    real(wp), intent(inout) :: h(NB, 3, 3)
 
     integer :: b, j, l
 
@@ -223,9 +224,9 @@ contains
           m(l, j, b) = (jac0(l)/jac(l))*(centre(l, 1, j)*basis%mode(1, b, q) &
                                          + centre(l, 2, j)*basis%mode(2, b, q) &
                                          + centre(l, 3, j)*basis%mode(3, b, q))
-          dg(l, 1, j) = dg(l, 1, j) + a(l, 1, b)*m(l, j, b)
-          dg(l, 2, j) = dg(l, 2, j) + a(l, 2, b)*m(l, j, b)
-          dg(l, 3, j) = dg(l, 3, j) + a(l, 3, b)*m(l, j, b)
+          h(l, 1, j) = h(l, 1, j) + a(l, 1, b)*m(l, j, b)
+          h(l, 2, j) = h(l, 2, j) + a(l, 2, b)*m(l, j, b)
+          h(l, 3, j) = h(l, 3, j) + a(l, 3, b)*m(l, j, b)
         end do
       end do
     end do

@@ -171,21 +171,24 @@ contains
     real(wp), intent(out) :: w, tau(6), lam, mus, c(6, 6)
     logical, intent(out) :: ok
 
-    real(wp) :: dg(3, 3), t(3, 3), back(3, 3), jac, det, m(3, basis%nmode)
+    real(wp) :: h(3, 3), t(3, 3), back(3, 3), jac, det, m(3, basis%nmode)
     integer :: b, i, j, l
 
     call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
-                centre, jac0, dg, t, jac, m, ok)
+                centre, jac0, h, t, jac, m, ok)
     if (.not. ok) return
     w = basis%wgt(q)*jac
     if (associated(material%moduli)) then
-      call material%moduli(prop, dg, tau, lam, mus, ok)
+      call material%moduli(prop, h, tau, lam, mus, ok)
     else
-      call material%stress(prop, dg, tau, c, ok)
+      call material%stress(prop, h, tau, c, ok)
     end if
     if (.not. ok) return
     if (material%finite) then
-      call invert_map(dg, back, det, ok)
+      do i = 1, 3
+        h(i, i) = h(i, i) + 1.0_wp
+      end do
+      call invert_map(h, back, det, ok)
       if (.not. ok) return
       t = matmul(t, back)
       m = matmul(transpose(back), m)

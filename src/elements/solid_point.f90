@@ -1,4 +1,4 @@
-!> Kinematics at a point of a solid: the map, the deformation gradient and the enhancement.
+!> Kinematics at a point of a solid: the map, the displacement gradient and the enhancement.
 module solid_point
   use base_kinds, only: wp
   use tensor, only: inv3
@@ -8,12 +8,12 @@ module solid_point
 
 contains
 
-  !> Compute the deformation gradient at a point of the parent cell.
+  !> Compute the displacement gradient at a point of the parent cell.
   !!
-  !! F = 1 + sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
+  !! H = F - 1 = sum_a u_a x G_a + sum_i a_i x M_i,  G_a = J^-T dN_a,  M_i = (j0/j) J0^-T m_i
   !! (Simo and Armero 1992). Their factor F0, the deformation gradient at the centre, is left out:
   !! multiplying the modes by it from the left does not change the space that they span.
-  pure subroutine deform(nen, nmode, dshp, mode, xu, a, centre, jac0, dg, inverse, jac, m, ok)
+  pure subroutine deform(nen, nmode, dshp, mode, xu, a, centre, jac0, h, inverse, jac, m, ok)
     integer, intent(in) :: nen, nmode
     real(wp), intent(in) :: dshp(3, nen)   !! parent derivatives of the functions
     real(wp), intent(in) :: mode(3, nmode) !! parent covectors of the modes
@@ -21,7 +21,7 @@ contains
     real(wp), intent(in) :: a(3, nmode)    !! enhanced parameters [L]
     real(wp), intent(in) :: centre(3, 3)   !! J0^-1 [1/L]
     real(wp), intent(in) :: jac0           !! j0 [L^3]
-    real(wp), intent(out) :: dg(3, 3)      !! deformation gradient [-]
+    real(wp), intent(out) :: h(3, 3)       !! displacement gradient [-]
     real(wp), intent(out) :: inverse(3, 3) !! J^-1 = d xi / d X [1/L]
     real(wp), intent(out) :: jac           !! j = det J [L^3]
     real(wp), intent(out) :: m(3, nmode)   !! material covectors of the modes [1/L]
@@ -39,22 +39,19 @@ contains
         end do
       end do
     end do
-    dg = 0.0_wp
+    h = 0.0_wp
     m = 0.0_wp
     call invert_map(map(:3, :), inverse, jac, ok)
     if (.not. ok) return
     do j = 1, 3
-      dg(:, j) = map(4:, 1)*inverse(1, j) + map(4:, 2)*inverse(2, j) + map(4:, 3)*inverse(3, j)
+      h(:, j) = map(4:, 1)*inverse(1, j) + map(4:, 2)*inverse(2, j) + map(4:, 3)*inverse(3, j)
     end do
     do n = 1, nmode
       do j = 1, 3
         m(j, n) = (jac0/jac)*(centre(1, j)*mode(1, n) + centre(2, j)*mode(2, n) &
                               + centre(3, j)*mode(3, n))
-        dg(:, j) = dg(:, j) + a(:, n)*m(j, n)
+        h(:, j) = h(:, j) + a(:, n)*m(j, n)
       end do
-    end do
-    do j = 1, 3
-      dg(j, j) = dg(j, j) + 1.0_wp
     end do
   end subroutine deform
 

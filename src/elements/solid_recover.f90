@@ -35,8 +35,8 @@ contains
     logical, intent(out) :: ok        !! .false.: the map is inverted at a point; its stress is 0
 
     real(wp) :: a(3, basis%nmode), m(3, basis%nmode), centre(3, 3), inverse(3, 3), jac0, jac
-    real(wp) :: xu(6, basis%nen)
-    integer :: q
+    real(wp) :: xu(6, basis%nen), h(3, 3)
+    integer :: i, q
     logical :: fine
 
     a = reshape(param(:3*basis%nmode), [3, basis%nmode])
@@ -50,30 +50,35 @@ contains
       point(q)%xr = matmul(xr, basis%shp(:, q))
       point(q)%xc = point(q)%xr + matmul(u, basis%shp(:, q))
       call deform(basis%nen, basis%nmode, basis%dshp(:, :, q), basis%mode(:, :, q), xu, a, &
-                  centre, jac0, point(q)%dg, inverse, jac, m, fine)
+                  centre, jac0, h, inverse, jac, m, fine)
+      point(q)%dg = h
+      do i = 1, 3
+        point(q)%dg(i, i) = h(i, i) + 1.0_wp
+      end do
       if (fine) then
         point(q)%volume = basis%wgt(q)*jac
-        call add_stress(material, prop, point(q), fine)
+        call add_stress(material, prop, h, point(q), fine)
       end if
       ok = ok .and. fine
     end do
   end subroutine recover
 
   !> Add stress and energy to a point whose deformation gradient is known.
-  pure subroutine add_stress(material, prop, point, ok)
+  pure subroutine add_stress(material, prop, h, point, ok)
     type(material_t), intent(in) :: material
     real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: h(3, 3)   !! displacement gradient
     type(recovered_t), intent(inout) :: point
     logical, intent(out) :: ok
 
     real(wp) :: tau(6), c(6, 6)
 
-    call material%stress(prop, point%dg, tau, c, ok)
+    call material%stress(prop, h, tau, c, ok)
     if (.not. ok) return
     if (material%finite) tau = tau/det3(point%dg)
     point%sig = tau
     point%mises = von_mises(tau)
-    point%energy = material%energy(prop, point%dg)
+    point%energy = material%energy(prop, h)
   end subroutine add_stress
 
   !> Von Mises stress.

@@ -1,6 +1,6 @@
 !> Linear isotropic elasticity at small strains.
 !!
-!!   sigma = Lam tr(eps) 1 + 2 mu eps,   eps = sym(F - 1)
+!!   sigma = Lam tr(eps) 1 + 2 mu eps,   eps = sym H,   H = F - 1
 !!
 !! Deck:    SOLId / ELAStic ISOTropic E nu / SMALl
 !! History: none
@@ -37,22 +37,22 @@ contains
   end function describe
 
   !> Compute the stress and the constant tangent.
-  pure subroutine stress(prop, dg, tau, c, ok)
+  pure subroutine stress(prop, h, tau, c, ok)
     real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: dg(3, 3)
+    real(wp), intent(in) :: h(3, 3)
     real(wp), intent(out) :: tau(6), c(6, 6)
     logical, intent(out) :: ok
 
     real(wp) :: lam, mus
 
-    call moduli(prop, dg, tau, lam, mus, ok)
+    call moduli(prop, h, tau, lam, mus, ok)
     c = isotropic(lam, mus)
   end subroutine stress
 
   !> Compute the stress and the Lame parameters.
-  pure subroutine moduli(prop, dg, tau, lam, mus, ok)
+  pure subroutine moduli(prop, h, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: dg(3, 3)
+    real(wp), intent(in) :: h(3, 3)
     real(wp), intent(out) :: tau(6), lam, mus
     logical, intent(out) :: ok
 
@@ -60,20 +60,20 @@ contains
 
     lam = prop(LAMBDA)
     mus = prop(MU)
-    trace = (dg(1, 1) - 1.0_wp) + (dg(2, 2) - 1.0_wp) + (dg(3, 3) - 1.0_wp)
-    tau(1) = lam*trace + 2.0_wp*mus*(dg(1, 1) - 1.0_wp)
-    tau(2) = lam*trace + 2.0_wp*mus*(dg(2, 2) - 1.0_wp)
-    tau(3) = lam*trace + 2.0_wp*mus*(dg(3, 3) - 1.0_wp)
-    tau(4) = mus*(dg(1, 2) + dg(2, 1))
-    tau(5) = mus*(dg(2, 3) + dg(3, 2))
-    tau(6) = mus*(dg(3, 1) + dg(1, 3))
+    trace = h(1, 1) + h(2, 2) + h(3, 3)
+    tau(1) = lam*trace + 2.0_wp*mus*h(1, 1)
+    tau(2) = lam*trace + 2.0_wp*mus*h(2, 2)
+    tau(3) = lam*trace + 2.0_wp*mus*h(3, 3)
+    tau(4) = mus*(h(1, 2) + h(2, 1))
+    tau(5) = mus*(h(2, 3) + h(3, 2))
+    tau(6) = mus*(h(3, 1) + h(1, 3))
     ok = .true.
   end subroutine moduli
 
   !> Do the same as `moduli` at NB points.
-  pure subroutine moduli_batch(prop, dg, tau, lam, mus, ok)
+  pure subroutine moduli_batch(prop, h, tau, lam, mus, ok)
     real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: dg(NB, 3, 3)
+    real(wp), intent(in) :: h(NB, 3, 3)
     real(wp), intent(out) :: tau(NB, 6), lam(NB), mus(NB)
     logical, intent(out) :: ok(NB)
 
@@ -84,13 +84,13 @@ contains
     m = prop(MU)
     !$omp simd private(trace)
     do n = 1, NB
-      trace = (dg(n, 1, 1) - 1.0_wp) + (dg(n, 2, 2) - 1.0_wp) + (dg(n, 3, 3) - 1.0_wp)
-      tau(n, 1) = l*trace + 2.0_wp*m*(dg(n, 1, 1) - 1.0_wp)
-      tau(n, 2) = l*trace + 2.0_wp*m*(dg(n, 2, 2) - 1.0_wp)
-      tau(n, 3) = l*trace + 2.0_wp*m*(dg(n, 3, 3) - 1.0_wp)
-      tau(n, 4) = m*(dg(n, 1, 2) + dg(n, 2, 1))
-      tau(n, 5) = m*(dg(n, 2, 3) + dg(n, 3, 2))
-      tau(n, 6) = m*(dg(n, 3, 1) + dg(n, 1, 3))
+      trace = h(n, 1, 1) + h(n, 2, 2) + h(n, 3, 3)
+      tau(n, 1) = l*trace + 2.0_wp*m*h(n, 1, 1)
+      tau(n, 2) = l*trace + 2.0_wp*m*h(n, 2, 2)
+      tau(n, 3) = l*trace + 2.0_wp*m*h(n, 3, 3)
+      tau(n, 4) = m*(h(n, 1, 2) + h(n, 2, 1))
+      tau(n, 5) = m*(h(n, 2, 3) + h(n, 3, 2))
+      tau(n, 6) = m*(h(n, 3, 1) + h(n, 1, 3))
       lam(n) = l
       mus(n) = m
     end do
@@ -98,18 +98,18 @@ contains
   end subroutine moduli_batch
 
   !> Stored energy: half of stress times strain.
-  pure function energy(prop, dg) result(w)
+  pure function energy(prop, h) result(w)
     real(wp), intent(in) :: prop(:)
-    real(wp), intent(in) :: dg(3, 3)
+    real(wp), intent(in) :: h(3, 3)
     real(wp) :: w
 
     real(wp) :: tau(6), lam, mus
     logical :: ok
 
-    call moduli(prop, dg, tau, lam, mus, ok)
-    w = 0.5_wp*(tau(1)*(dg(1, 1) - 1.0_wp) + tau(2)*(dg(2, 2) - 1.0_wp) &
-                + tau(3)*(dg(3, 3) - 1.0_wp) + tau(4)*(dg(1, 2) + dg(2, 1)) &
-                + tau(5)*(dg(2, 3) + dg(3, 2)) + tau(6)*(dg(3, 1) + dg(1, 3)))
+    call moduli(prop, h, tau, lam, mus, ok)
+    w = 0.5_wp*(tau(1)*h(1, 1) + tau(2)*h(2, 2) &
+                + tau(3)*h(3, 3) + tau(4)*(h(1, 2) + h(2, 1)) &
+                + tau(5)*(h(2, 3) + h(3, 2)) + tau(6)*(h(3, 1) + h(1, 3)))
   end function energy
 
 end module mate_linear

@@ -16,7 +16,10 @@ module material_type
   end type constant_error_t
 
   !> A law. Stresses are Kirchhoff stresses tau = J sigma if `finite`, otherwise the stress of the
-  !! small strain sym(F - I). The Voigt order is 11 22 33 12 23 31, with shear strains 2 eps_12 etc.
+  !! small strain sym H. The Voigt order is 11 22 33 12 23 31, with shear strains 2 eps_12 etc.
+  !!
+  !! Laws receive the displacement gradient H = F - 1 and not the deformation gradient F, in which
+  !! strains below the rounding error of 1 are lost. They must not subtract 1 from 1 + H either.
   type :: material_t
     character(16) :: name = ''    !! deck word
     character(48) :: numbers = '' !! names of the numbers in the record ELAStic, for hints
@@ -58,45 +61,45 @@ module material_type
     end function material_stiffness_i
 
     !> Compute stress and tangent at a point.
-    pure subroutine material_stress_i(prop, dg, tau, c, ok)
+    pure subroutine material_stress_i(prop, h, tau, c, ok)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)   !! (nprop)
-      real(wp), intent(in) :: dg(3, 3)  !! deformation gradient [-]
+      real(wp), intent(in) :: h(3, 3)   !! displacement gradient [-]
       real(wp), intent(out) :: tau(6)   !! stress [F/L^2]
       real(wp), intent(out) :: c(6, 6)  !! tangent [F/L^2]: Lie derivative of tau = c : rate of
       !! deformation; at small strains, c = d tau/d eps
-      logical, intent(out) :: ok        !! .false.: there is no stress for this dg (det <= 0)
+      logical, intent(out) :: ok        !! .false.: there is no stress for this h (det F <= 0)
     end subroutine material_stress_i
 
     !> Compute the stress and the two scalar moduli at a point.
-    pure subroutine material_moduli_i(prop, dg, tau, lam, mus, ok)
+    pure subroutine material_moduli_i(prop, h, tau, lam, mus, ok)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: dg(3, 3)
+      real(wp), intent(in) :: h(3, 3)
       real(wp), intent(out) :: tau(6)
       real(wp), intent(out) :: lam, mus !! c = lam 1 x 1 + 2 mus I [F/L^2]
       logical, intent(out) :: ok
     end subroutine material_moduli_i
 
     !> Compute the stress and the two scalar moduli at NB points; the first index is the point.
-    pure subroutine material_batch_i(prop, dg, tau, lam, mus, ok)
+    pure subroutine material_batch_i(prop, h, tau, lam, mus, ok)
       import :: wp, NB
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: dg(NB, 3, 3)
+      real(wp), intent(in) :: h(NB, 3, 3)
       real(wp), intent(out) :: tau(NB, 6)
       real(wp), intent(out) :: lam(NB), mus(NB)
       logical, intent(out) :: ok(NB)
     end subroutine material_batch_i
 
-    !> Stored energy per reference volume [F/L^2]; huge if there is none (det <= 0).
-    pure function material_energy_i(prop, dg) result(w)
+    !> Stored energy per reference volume [F/L^2]; huge if there is none (det F <= 0).
+    pure function material_energy_i(prop, h) result(w)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp), intent(in) :: dg(3, 3)
+      real(wp), intent(in) :: h(3, 3)
       real(wp) :: w
     end function material_energy_i
   end interface

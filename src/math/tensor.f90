@@ -3,9 +3,23 @@ module tensor
   use base_kinds, only: wp
   implicit none
   private
-  public :: det3, inv3, cross, isotropic, ldl_factor, ldl_solve
+  public :: trace, second_invariant, det3, inv3, cross, isotropic, ldl_factor, ldl_solve
 
 contains
+
+  pure real(wp) function trace(a)
+    real(wp), intent(in) :: a(3, 3)
+
+    trace = a(1, 1) + a(2, 2) + a(3, 3)
+  end function trace
+
+  !> The second invariant, which is the sum of the principal minors of order two.
+  pure real(wp) function second_invariant(a)
+    real(wp), intent(in) :: a(3, 3)
+
+    second_invariant = (a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)) + (a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
+                       + (a(3, 3)*a(1, 1) - a(3, 1)*a(1, 3))
+  end function second_invariant
 
   pure real(wp) function det3(a)
     real(wp), intent(in) :: a(3, 3)
