@@ -9,6 +9,7 @@ module command_watch
   use contact_patch, only: warn_small_patches
   use energy_growth, only: warn_growth
   use failure_text, only: element_name
+  use force_rounding, only: warn_rounding
   use inverted_corners, only: inverted_t, find_inverted_corners
   use load_curve, only: load_factor, table_factor
   use mesh, only: is_rigid
@@ -137,6 +138,7 @@ contains
 
     call watch_tables_end(run)
     call warn_growth(run%state)
+    call warn_rounding(run%step)
     call warn_small_patches(run%model, run%state)
     if (.not. allocated(run%plan%rubbed)) return ! no step was closed
     do c = 1, size(run%model%contact)

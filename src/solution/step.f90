@@ -24,6 +24,7 @@ module step
   use edge_contact, only: find_edge_contact, edge_text, keep_edge_contact
   use energy_balance, only: accept_solution
   use energy_growth, only: begin_motion, follow_growth
+  use force_rounding, only: follow_rounding
   use friction_limit, only: sliding_text
   use load_jump, only: jump_t, suspect_jump, report_jump
   use model, only: model_t, state_t
@@ -407,6 +408,7 @@ contains
                                 sum_of_loads(step%newton, model, state))
     end associate
     call report_contact_changes(model, state)
+    call follow_rounding(step, model, state, pass)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
     call begin_motion(step%newton%asm, model, state)
