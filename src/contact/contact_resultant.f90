@@ -171,14 +171,15 @@ contains
     associate (contact => model%contact(quantity%contact))
       k = quantity%side
       if (.not. is_integrated(contact, k)) k = 3 - k ! points and fields are those of the other side
-      associate (points => state%contact(quantity%contact)%side(k))
+      associate (points => state%contact(quantity%contact)%side(k), &
+                 others => state%contact(quantity%contact)%side(3 - k))
         select case (quantity%id)
         case (Q_CONTACT_PRESSURE)
-          call smooth_side(contact, k, points, field)
+          call smooth_side(contact, k, points, field, others)
           value = largest_pressure(contact, k, field, quantity%component)
           return
         case (Q_CONTACT_TANGENTIAL)
-          call smooth_side(contact, k, points, field)
+          call smooth_side(contact, k, points, field, others)
           value = largest_tangential(contact, k, field, quantity%component)
           return
         case (Q_CONTACT_DEBONDED)

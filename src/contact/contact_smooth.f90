@@ -10,6 +10,13 @@
 !! whose points the forces act. Otherwise, a contact that lies between the integration points of
 !! whole elements would have no pressure.
 !!
+!! With the mortar scheme and BALAnced, the points of both sides load this side, each with half of
+!! its traction. The numerator is then the mean of the integrals over the points of both sides;
+!! those of the other side have the functions N_A at their projections, and the opposite traction.
+!! The integral of the smooth traction is therefore the force on this side. If only the own points
+!! were counted, a side whose points lie in the gaps beside the points of contact of the other side
+!! would have no pressure.
+!!
 !! The traction of friction is smoothed separately: the tangential part of the smooth traction would
 !! contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
 !! Corbett and Sauer 2015).
@@ -17,11 +24,12 @@ module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
   use contact_type, only: OPEN, STICK, SLIP, TOUCH
+  use contact_work, only: element_functions, own_share
   use surface_basis, only: surface_functions_at, make_rational
   implicit none
   private
   public :: smooth_t, smooth_side, largest_pressure, largest_tangential, number_nodes, &
-            count_nodes, has_no_area
+            count_nodes, find_squares, weighting_functions, reverse
 
   !> Coefficients at the nodes of a side.
   type :: smooth_t
@@ -51,34 +59,40 @@ contains
 
   !> Find all fields of side k, which must not be rigid. If no point near a node has a projection,
   !! the node is given the gap of the farthest point that has one.
-  subroutine smooth_side(contact, k, points, field)
+  subroutine smooth_side(contact, k, points, field, others)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(contact_points_t), intent(in) :: points
     type(smooth_t), intent(out) :: field
+    !> Points of the other side, which with BALAnced load side k too; absent: they do not count.
+    type(contact_points_t), intent(in), optional :: others
     real(wp), allocatable :: total(:, :), shp(:), dshp(:, :)
     real(wp) :: far
-    logical :: squares
+    logical, allocatable :: squares(:)
     integer :: a, e, i, n, q
 
     associate (own => contact%side(k))
       call number_nodes(own%node, field%node, field%at)
       n = size(field%node)
       allocate (total(NSUM, n), source=0.0_wp)
+      squares = find_squares(contact, k, points)
       do e = 1, own%nelem
         associate (basis => own%basis(own%ibasis(e)), first => own%first(e), &
                    last => own%first(e + 1) - 1)
-          squares = has_no_area(basis, points%area((e - 1)*contact%nq + 1:e*contact%nq))
           do q = 1, contact%nq
             i = (e - 1)*contact%nq + q
             shp = basis%shp(:, q)
             dshp = basis%dshp(:, :, q)
             if (allocated(own%w)) call make_rational(own%w(first:last), shp, dshp)
-            if (squares) shp = shp**2
+            if (squares(e)) shp = shp**2
             call add_point(points, i, shp, field%at(first:last), total)
           end do
         end associate
       end do
+      if (present(others) .and. contact%balanced .and. own_share(contact) < 1.0_wp) then
+        total(:NSPREAD, :) = own_share(contact)*total(:NSPREAD, :)
+        call add_others(contact, own, others, squares, field%at, total)
+      end if
     end associate
     if (allocated(points%spread)) total(:NSPREAD, :) = points%spread
     far = maxval(points%gap, mask=points%closest > 0 .and. points%gap < huge(far))
@@ -97,6 +111,35 @@ contains
       if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
     end do
   end subroutine smooth_side
+
+  !> Mark the elements of side k in which the squares of the functions are the weights.
+  pure function find_squares(contact, k, points) result(squares)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_points_t), intent(in) :: points !! points of side k
+    logical :: squares(contact%side(k)%nelem)
+    integer :: e
+
+    associate (own => contact%side(k))
+      do e = 1, own%nelem
+        squares(e) = has_no_area(own%basis(own%ibasis(e)), &
+                                 points%area((e - 1)*contact%nq + 1:e*contact%nq))
+      end do
+    end associate
+  end function find_squares
+
+  !> Weights of the nodes of element e of a surface at a point: the functions or their squares.
+  pure subroutine weighting_functions(surface, e, xi, squares, shp)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2)
+    logical, intent(in) :: squares(:)    !! (nelem) see find_squares
+    real(wp), intent(out) :: shp(:)      !! (nsf)
+    real(wp) :: dshp(2, size(shp))
+
+    call element_functions(surface, e, xi, shp, dshp)
+    if (squares(e)) shp = shp**2
+  end subroutine weighting_functions
 
   !> Are there functions whose integral vanishes (at corners of quadratic triangles), so that the
   !! squares are used as weights?
@@ -154,14 +197,7 @@ contains
 
     value = 0.0_wp
     value(AREA) = 1.0_wp
-    if (points%state(i) /= OPEN) then
-      value(1:3) = points%traction(:, i)
-      value(4) = points%pressure(i)
-      value(5:7) = points%elastic(:, i)
-      if (any(points%state(i) == [STICK, TOUCH])) value(8) = 1.0_wp
-      if (points%state(i) == SLIP) value(8) = 2.0_wp
-      value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
-    end if
+    if (points%state(i) /= OPEN) value(:NSPREAD) = closed_values(points, i)
     if (points%closest(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
       value(GAP) = points%gap(i)
       value(GAP_AREA) = 1.0_wp
@@ -171,6 +207,62 @@ contains
       total(:, at(a)) = total(:, at(a)) + shp(a)*value
     end do
   end subroutine add_point
+
+  !> Add the part of the values of the points of the other side that acts on this side: at their
+  !! projections or, at a bonded point that has none, at its partner.
+  pure subroutine add_others(contact, own, others, squares, at, total)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: own     !! this side
+    type(contact_points_t), intent(in) :: others
+    logical, intent(in) :: squares(:)      !! (nelem) see find_squares
+    integer, intent(in) :: at(:)           !! positions of the nodes of the elements in `total`
+    real(wp), intent(inout) :: total(:, :) !! (NSUM, n)
+    real(wp) :: value(NSPREAD), xi(2), shp(maxval(own%basis%nsf))
+    integer :: a, e, i, n
+
+    do i = 1, size(others%state)
+      if (others%state(i) == OPEN) cycle
+      e = others%closest(i)
+      xi = others%closest_xi(:, i)
+      if (e == 0) then
+        e = others%bond(i)
+        xi = others%bond_xi(:, i)
+      end if
+      if (e == 0) cycle
+      value = (1.0_wp - own_share(contact))*others%area(i)*reverse(closed_values(others, i))
+      n = own%first(e + 1) - own%first(e)
+      call weighting_functions(own, e, xi, squares, shp(:n))
+      do a = 1, n
+        associate (sums => total(:NSPREAD, at(own%first(e) + a - 1)))
+          sums = sums + shp(a)*value
+        end associate
+      end do
+    end do
+  end subroutine add_others
+
+  !> Values of a point in contact.
+  pure function closed_values(points, i) result(value)
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+    real(wp) :: value(NSPREAD)
+
+    value(1:3) = points%traction(:, i)
+    value(4) = points%pressure(i)
+    value(5:7) = points%elastic(:, i)
+    value(8) = 0.0_wp
+    if (any(points%state(i) == [STICK, TOUCH])) value(8) = 1.0_wp
+    if (points%state(i) == SLIP) value(8) = 2.0_wp
+    value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
+  end function closed_values
+
+  !> Values with which a point acts on the other side: the vectors are reversed.
+  pure function reverse(value) result(back)
+    real(wp), intent(in) :: value(NSPREAD)
+    real(wp) :: back(NSPREAD)
+
+    back = -value
+    back([4, 8]) = value([4, 8])
+  end function reverse
 
   !> Friction at a point. Friction acts along the elastic part of the tangential displacement, and
   !! the pressure acts perpendicular to it. If the elastic part is only rounding error, its

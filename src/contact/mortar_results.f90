@@ -5,11 +5,11 @@ module mortar_results
   use contact_corners, only: deepest_corner, CORNER_XI
   use contact_energy, only: slip_work
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, friction_points_t, &
-                          surface_t
+                          is_integrated, surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
-  use contact_smooth, only: number_nodes, has_no_area, NSPREAD
+  use contact_smooth, only: number_nodes, find_squares, weighting_functions, reverse, NSPREAD
   use contact_type, only: MU, OPEN, STICK, SLIP
-  use contact_work, only: energy_share
+  use contact_work, only: energy_share, own_share
   use mortar_control, only: pressed_energy, pressure_at
   use mortar_type, only: mortar_t, mortar_side_t
   use projection, only: project
@@ -21,7 +21,13 @@ module mortar_results
   use tensor, only: cross
   implicit none
   private
-  public :: accept_mortar
+  public :: accept_mortar, spread_cells
+
+  !> Nodes of one side to which values are spread.
+  type :: target_t
+    integer, allocatable :: at(:)            !! (size(surface%node)) see number_nodes
+    logical, allocatable :: squares(:)       !! (nelem) see find_squares
+  end type target_t
 
 contains
 
@@ -94,56 +100,102 @@ contains
         end do
       end do
     end associate
-    call spread_cells(mortar, contact, k, shape(k), state%side(k))
   end subroutine accept_mortar
 
-  !> Spread tractions, elastic slip and state of the points of the cells to the nodes of their
-  !! elements.
-  subroutine spread_cells(mortar, contact, k, shape, points)
+  !> Spread tractions, elastic slip and state of the points of all cells to the nodes of both
+  !! elements that a point loads: its own one and, with the opposite traction, the one that it
+  !! faces. accept_mortar must have been called for both sides.
+  subroutine spread_cells(mortar, contact, shape, state)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape(2)
+    type(contact_state_t), intent(inout) :: state
+    type(target_t) :: nodes(2)
+    integer, allocatable :: node(:)
+    integer :: k
+
+    do k = 1, 2
+      if (.not. is_integrated(contact, k)) cycle
+      call number_nodes(contact%side(k)%node, node, nodes(k)%at)
+      nodes(k)%squares = find_squares(contact, k, state%side(k))
+      state%side(k)%spread = 0.0_wp
+    end do
+    do k = 1, 2
+      if (is_integrated(contact, k)) call spread_points(mortar, contact, k, shape(k), nodes, state)
+    end do
+  end subroutine spread_cells
+
+  !> Spread the values of the points of side k to the nodes of both sides.
+  subroutine spread_points(mortar, contact, k, shape, nodes, state)
     type(mortar_t), intent(in) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(shape_t), intent(in) :: shape       !! shape of side k
-    type(contact_points_t), intent(inout) :: points
-    type(traction_derivatives_t) :: dn
-    integer, allocatable :: node(:), at(:)
-    real(wp) :: x(3), a(3, 2), b(3, 3), n(3), area, reference, value(NSPREAD), friction(3), shp
-    integer :: e, i, j, last
-    logical :: squares
+    type(target_t), intent(in) :: nodes(2)
+    type(contact_state_t), intent(inout) :: state
+    real(wp) :: value(NSPREAD), share
+    integer :: i, l
 
-    associate (own => contact%side(k), side => mortar%side(k), cells => mortar%side(k)%cells)
-      call number_nodes(own%node, node, at)
-      points%spread = 0.0_wp
-      squares = .false.
-      last = 0
+    share = own_share(contact)
+    l = merge(1, 3 - k, contact%self)        ! the side that the points face
+    associate (cells => mortar%side(k)%cells)
       do i = 1, cells%n
-        if (.not. side%p(i) > 0.0_wp) cycle
-        e = cells%elem(i)
-        if (e /= last) squares = has_no_area(own%basis(own%ibasis(e)), &
-                                             points%area((e - 1)*contact%nq + 1:e*contact%nq))
-        last = e
-        call surface_point(own, mortar%reference(k), e, cells%xi(:, i), x, a, b)
-        reference = norm2(cross(a(:, 1), a(:, 2)))
-        if (.not. reference > 0.0_wp) cycle
-        call surface_point(own, shape, e, cells%xi(:, i), x, a, b)
-        area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/reference
-        call vary_normal(cells%foot(i), x, n, dn)
-        friction = side%friction(:, i) - dot_product(side%friction(:, i), n)*n
-        value(1:3) = cells%weight(i)*(side%p(i)*n + friction)
-        value(4) = cells%weight(i)*side%p(i)
-        value(5:7) = area*side%elastic(:, i)
-        value(8) = area*merge(2.0_wp, 1.0_wp, side%state(i) == SLIP)
-        value(9:11) = cells%weight(i)*friction
-        do j = 1, own%first(e + 1) - own%first(e)
-          shp = side%shp(j, i)
-          if (squares) shp = shp**2
-          associate (sums => points%spread(:, at(own%first(e) + j - 1)))
-            sums = sums + shp*value
-          end associate
-        end do
+        if (.not. mortar%side(k)%p(i) > 0.0_wp) cycle
+        call find_values(contact%side(k), mortar%side(k), mortar%reference(k), shape, i, value)
+        call spread_value(contact%side(k), nodes(k), cells%elem(i), cells%xi(:, i), share*value, &
+                          state%side(k)%spread)
+        if (.not. is_integrated(contact, l)) cycle
+        call spread_value(contact%side(l), nodes(l), cells%foot(i)%elem, cells%foot(i)%xi, &
+                          (1.0_wp - share)*reverse(value), state%side(l)%spread)
       end do
     end associate
-  end subroutine spread_cells
+  end subroutine spread_points
+
+  !> Values of point i of the cells of a side, multiplied by its area; zero if the element has no
+  !! area there.
+  pure subroutine find_values(own, side, reference, shape, i, value)
+    type(surface_t), intent(in) :: own
+    type(mortar_side_t), intent(in) :: side
+    type(shape_t), intent(in) :: reference, shape !! reference and current shape of the side
+    integer, intent(in) :: i
+    real(wp), intent(out) :: value(NSPREAD)
+    type(traction_derivatives_t) :: dn
+    real(wp) :: x(3), a(3, 2), b(3, 3), n(3), area, whole, friction(3)
+
+    value = 0.0_wp
+    associate (cells => side%cells)
+      call surface_point(own, reference, cells%elem(i), cells%xi(:, i), x, a, b)
+      whole = norm2(cross(a(:, 1), a(:, 2)))
+      if (.not. whole > 0.0_wp) return
+      call surface_point(own, shape, cells%elem(i), cells%xi(:, i), x, a, b)
+      area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/whole
+      call vary_normal(cells%foot(i), x, n, dn)
+      friction = side%friction(:, i) - dot_product(side%friction(:, i), n)*n
+      value(1:3) = cells%weight(i)*(side%p(i)*n + friction)
+      value(4) = cells%weight(i)*side%p(i)
+      value(5:7) = area*side%elastic(:, i)
+      value(8) = area*merge(2.0_wp, 1.0_wp, side%state(i) == SLIP)
+      value(9:11) = cells%weight(i)*friction
+    end associate
+  end subroutine find_values
+
+  !> Add a value, multiplied by the functions at a point of element e, to the sums of its nodes.
+  pure subroutine spread_value(surface, nodes, e, xi, value, sums)
+    type(surface_t), intent(in) :: surface
+    type(target_t), intent(in) :: nodes
+    integer, intent(in) :: e
+    real(wp), intent(in) :: xi(2), value(NSPREAD)
+    real(wp), intent(inout) :: sums(:, :)    !! (NSPREAD, n)
+    real(wp) :: shp(surface%first(e + 1) - surface%first(e))
+    integer :: j
+
+    call weighting_functions(surface, e, xi, nodes%squares, shp)
+    do j = 1, size(shp)
+      associate (to => sums(:, nodes%at(surface%first(e) + j - 1)))
+        to = to + shp(j)*value
+      end associate
+    end do
+  end subroutine spread_value
 
   !> Store the values from which those of the points of the next step are interpolated. Add the work
   !! of slip in this step.

@@ -182,8 +182,9 @@ module contact_pair
     real(wp), allocatable :: pressed(:)      !! (np) energy of the pressure, times the area [F L]
     real(wp), allocatable :: area(:)         !! (np) current area of the point [L^2]
     !> MORTAR: (NSPREAD, n) sums for smooth fields (contact_smooth), taken over the points of the
-    !! cells: the values at each point times the functions of the n nodes of the side there. If the
-    !! array is not allocated, the fields are found from the integration points.
+    !! cells of both sides: the share of the values at each point with which it loads this side,
+    !! times the functions of the n nodes of the side there or at the projection of the point. If
+    !! the array is not allocated, the fields are found from the integration points.
     real(wp), allocatable :: spread(:, :)
   end type contact_points_t
 

@@ -187,7 +187,9 @@ contains
     do c = 1, size(model%contact)
       do k = 1, 2
         if (.not. is_integrated(model%contact(c), k)) cycle
-        call smooth_side(model%contact(c), k, state%contact(c)%side(k), field)
+        associate (side => state%contact(c)%side)
+          call smooth_side(model%contact(c), k, side(k), field, side(3 - k))
+        end associate
         do a = 1, size(field%node)
           n = field%node(a)
           nodal%traction(:, n) = nodal%traction(:, n) + field%traction(:, a)
