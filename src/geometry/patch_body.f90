@@ -5,6 +5,7 @@ module patch_body
   use base_log, only: log_line
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
+  use few_points, only: warn_few_points, splines_lack_points
   use mesh, only: mesh_t, body_face_t
   use nurbs, only: nurbs_t, elevate, insert_knots, is_rational
   use patch_check, only: check_patch, check_enrichment, hemisphere_degree
@@ -147,6 +148,11 @@ contains
     cell%degree = p
     call new_block(draft, spec, 'IGA'//to_text(p), row, cell%degree, (p + 1)**3, product(geo%n), ib)
     call row%rule(cell, spec%q, spec%qz, draft%block(ib)%rule)
+    if (spec%type == 'IGA' .and. spec%q > 0) then
+      if (splines_lack_points([spec%q, spec%q, merge(spec%qz, spec%q, spec%qz > 0)], n, geo%n)) then
+        call warn_few_points(spec, 'IGA'//to_text(p), 'QUADrature '//to_text(p + 1))
+      end if
+    end if
     associate (b => draft%block(ib))
       if (is_rational(solid)) allocate (b%ext%w(b%nen, product(geo%n)))
       do k = 1, geo%n(3)

@@ -10,6 +10,7 @@ module patch_lagrange
   use base_kinds, only: wp
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
+  use few_points, only: warn_few_points, splines_lack_points
   use patch_draft, only: draft_t, add_node, add_face, new_block, find_row
   use patch_geometry, only: geometry_t, point
   use patch_spec, only: patch_spec_t
@@ -55,6 +56,7 @@ contains
     call make_surfaces(spec, geo, draft, layer%surface)
     call make_blocks(spec, geo, layer, draft, error)
     if (allocated(error)) return
+    call check_points(spec, geo, layer, draft)
     allocate (layer%middle(0:m*maxval(geo%n), size(spec%enrich), size(spec%enrich)), source=0)
     do k = 1, geo%n(3)
       do j = 1, geo%n(2)
@@ -193,6 +195,32 @@ contains
       end associate
     end do
   end subroutine make_blocks
+
+  !> Warn once if elements have too few integration points. The functions of an enriched element on
+  !! the face opposite to its isogeometric one are those of the other elements of the body.
+  subroutine check_points(spec, geo, layer, draft)
+    type(patch_spec_t), intent(in) :: spec
+    type(geometry_t), intent(in) :: geo
+    type(layer_t), intent(in) :: layer
+    type(draft_t), intent(in) :: draft
+    integer :: least, l
+
+    if (spec%q == 0) return
+    least = layer%lattice%m + 1
+    if (spec%q < least .or. (spec%qz > 0 .and. spec%qz < least)) then
+      call warn_few_points(spec, draft%block(1)%name, 'at least '//to_text(least) &
+                           //' points in each direction')
+      return
+    end if
+    do l = 1, size(layer%surface)
+      associate (s => layer%surface(l))
+        if (.not. splines_lack_points([spec%q, spec%q], shape(s%node), geo%n(s%dir))) cycle
+        call warn_few_points(spec, draft%block(max(layer%hexa(l), layer%prism(l)))%name, &
+                             'QUADrature '//to_text(max(least, maxval(s%degree) + 1)))
+        return
+      end associate
+    end do
+  end subroutine check_points
 
   !> Make one block of an enriched layer. If there are no elements, `ib` is 0.
   subroutine layer_block(spec, s, name, row, m, nelem, least, draft, ib)

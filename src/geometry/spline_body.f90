@@ -6,6 +6,7 @@ module spline_body
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
   use elmt_surface, only: describe_surface => describe
+  use few_points, only: warn_few_points
   use mesh, only: mesh_t
   use patch_draft, only: draft_t, add_node, new_block, add_face, append_draft, find_row
   use patch_spec, only: compose, patch_spec_t
@@ -66,6 +67,7 @@ contains
         if (used(a)) call add_node(draft, s%x(:, a), .true., ibset(0, OUTER - 1), new(a))
       end do
       call make_blocks(spec, row, size(inner) > 0, group, igroup, draft)
+      if (size(inner) > 0) call check_points(spec, count(used), draft)
       call add_elements(s, inner - mesh%nnode, new, group, igroup, draft)
     end associate
     call append_draft(draft, spec, mesh)
@@ -127,6 +129,21 @@ contains
       end associate
     end do
   end subroutine make_blocks
+
+  !> Warn if the elements of a layer have too few integration points: fewer than two across the
+  !! layer, or, on the whole surface, fewer than there are control points.
+  subroutine check_points(spec, ncp, draft)
+    type(patch_spec_t), intent(in) :: spec
+    integer, intent(in) :: ncp !! number of control points
+    type(draft_t), intent(in) :: draft
+
+    if (spec%q == 0) return
+    associate (s => spec%spline%surface)
+      if (spec%q > 1 .and. spec%qz /= 1 .and. s%nelem*spec%q**2 >= ncp) return
+      call warn_few_points(spec, draft%block(1)%name, 'at least '//to_text(maxval(s%degree) + 1) &
+                           //' points in the directions of the surface and 2 across the layer')
+    end associate
+  end subroutine check_points
 
   !> Set nodes, weights, operators and faces of all elements.
   subroutine add_elements(s, inner, new, group, igroup, draft)
