@@ -16,11 +16,11 @@ module assembly
                               map_contact, add_contact, CLIQUES
   use csr, only: block_matrix_t, clique_t, new_pattern, element_map, set_zero, sum_diagonal
   use csr_fold, only: fold_t, tied_cliques, new_fold, fold_matrix
-  use dynamics_type, only: HHT
+  use dynamics_type, only: acceleration, HHT
   use element_sweep, only: sweep_t, form_block
   use element_type, only: NB
   use external_load, only: map_t, external_force
-  use inertia, only: mass_t, find_masses, add_inertia
+  use inertia, only: mass_t, find_masses, driven_marks, add_inertia
   use mesh, only: is_rigid
   use model, only: model_t, state_t
   implicit none
@@ -192,6 +192,8 @@ contains
     type(assembler_t), intent(inout) :: asm
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), allocatable :: acc(:, :)
+    logical, allocatable :: driven(:, :)
     integer :: b
 
     asm%f_inert = 0.0_wp
@@ -202,10 +204,13 @@ contains
         where (model%eq > 0) asm%f_inert = -alpha/(1.0_wp + alpha)*state%dynamics%static
       end if
     end associate
+    allocate (driven, source=driven_marks(model))
+    allocate (acc, source=acceleration(state%dynamics, state%u - state%u_step, driven))
+    call follow(model%mesh%constraint, acc)
     do b = 1, size(model%mesh%block)
       if (.not. allocated(asm%mass(b)%m)) cycle
-      call add_inertia(model%mesh%block(b), asm%mass(b), state%dynamics, state, asm%map(b)%at, &
-                       asm%k, asm%f_inert)
+      call add_inertia(model%mesh%block(b), asm%mass(b), state%dynamics, acc, driven, &
+                       asm%map(b)%at, asm%k, asm%f_inert)
     end do
     if (state%dynamics%method == HHT) then
       ! slaves have no equations, so their forces go to the masters before supports are scaled

@@ -2,6 +2,7 @@
 module energy_balance
   use assembly, only: assembler_t
   use base_kinds, only: wp
+  use constraint, only: follow
   use contact_assembly, only: accept_contact
   use contact_energy, only: bond_energy, contact_energies
   use curve_type, only: B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, &
@@ -34,7 +35,9 @@ contains
       call book_work(state%energy, du, state%last_increment, outer, asm%f_inert, asm%f_contact)
     end if
     if (allocated(state%dynamics%v)) then
-      call advance(state%dynamics, du, state%dt, state%reaction - asm%f_inert)
+      call advance(state%dynamics, du, model%eq == 0, state%dt, state%reaction - asm%f_inert)
+      call follow(model%mesh%constraint, state%dynamics%v)
+      call follow(model%mesh%constraint, state%dynamics%a)
     end if
     if (allocated(asm%mass)) then
       state%energy%kinetic = kinetic_energy(model, asm%mass, state)

@@ -2,13 +2,13 @@
 module inertia
   use base_kinds, only: wp
   use csr, only: block_matrix_t
-  use dynamics_type, only: dynamics_t, acceleration, HHT
+  use dynamics_type, only: dynamics_t, HHT
   use mesh, only: block_t, is_rigid
   use model, only: model_t, state_t
   use tensor, only: det3
   implicit none
   private
-  public :: mass_t, find_masses, add_inertia, kinetic_energy, energy_of_rate
+  public :: mass_t, find_masses, driven_marks, add_inertia, kinetic_energy, energy_of_rate
 
   !> Mass matrices of the elements of one block, the same for every direction.
   type :: mass_t
@@ -77,33 +77,54 @@ contains
     end do
   end subroutine lump
 
+  !> Find the displacements whose acceleration is that of a prescribed displacement: the prescribed
+  !! ones, and those of slaves with prescribed masters only.
+  pure function driven_marks(model) result(driven)
+    type(model_t), intent(in) :: model
+    logical :: driven(3, size(model%eq, 2))
+    integer :: i, j
+
+    driven = model%eq == 0
+    associate (list => model%mesh%constraint)
+      do i = 1, list%n
+        do j = 1, 3
+          driven(j, list%slave(i)) = all(model%eq(j, list%master(list%first(i): &
+                                                                 list%first(i + 1) - 1)) == 0)
+        end do
+      end do
+    end associate
+  end function driven_marks
+
   !> Add the inertial forces of one block of elements, and their derivative to the diagonals of the
-  !! (3, 3) blocks of k.
-  subroutine add_inertia(block, mass, dynamics, state, at, k, f)
+  !! (3, 3) blocks of k. The derivatives with respect to driven displacements are those with which
+  !! Newton's method applies their increments; k may be symmetric, so rows and columns have them.
+  subroutine add_inertia(block, mass, dynamics, acc, driven, at, k, f)
     type(block_t), intent(in) :: block
     type(mass_t), intent(in) :: mass
     type(dynamics_t), intent(in) :: dynamics
-    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: acc(:, :)             !! (3, nnode) acceleration [L/T^2]
+    logical, intent(in) :: driven(:, :)           !! (3, nnode)
     integer, intent(in) :: at(:, :, :)            !! (nen, nen, nelem) block positions in k
     type(block_matrix_t), intent(inout) :: k
     real(wp), intent(inout) :: f(:, :)            !! (3, nnode) [F]
-    real(wp) :: acc(3, block%nen), force(3, block%nen), factor, c
+    real(wp) :: force(3, block%nen), factor, c, d
     integer :: a, b, e, i, p
 
     factor = 1.0_wp
     if (dynamics%method == HHT) factor = 1.0_wp/(1.0_wp + dynamics%alpha)
     c = factor*dynamics%c(1)
+    d = factor*dynamics%d(1)
     do e = 1, block%nelem
       associate (node => block%conn(:, e))
-        acc = acceleration(dynamics, state%u(:, node) - state%u_step(:, node), node)
-        force = factor*matmul(acc, mass%m(:, :, e))
+        force = factor*matmul(acc(:, node), mass%m(:, :, e))
         do b = 1, block%nen
           f(:, node(b)) = f(:, node(b)) + force(:, b)
           do a = 1, block%nen
             p = at(a, b, e)
             if (p == 0) cycle
             do i = 1, 3
-              k%val(i, i, p) = k%val(i, i, p) + c*mass%m(a, b, e)
+              k%val(i, i, p) = k%val(i, i, p) + mass%m(a, b, e) &
+                               *merge(d, c, driven(i, node(a)) .or. driven(i, node(b)))
             end do
           end do
         end do
