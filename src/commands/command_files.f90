@@ -100,7 +100,7 @@ contains
     integer, intent(in) :: i
 
     has_row = run%model%curve(i)%name /= 'tplot'
-    if (.not. has_row) has_row = mod(run%state%step - 1, run%plan%tplot_every) == 0
+    if (.not. has_row) has_row = mod(run%state%step, run%plan%tplot_every) == 0
   end function has_row
 
   !> Keep the row of curve i for the report: step, time and current values.

@@ -144,6 +144,15 @@ class Inputs(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.at / "box_force.dat").read_text(), row)
 
+    def test_intervals_of_histories_and_of_fields_select_the_same_steps(self):
+        text = self.deck.replace("BATCh\n", "BATCh\n  TPLOt,,3\n").replace(
+            "END\n2 1", "END\nDISP 1 3\n\n2 1"
+        )
+        (self.at / "box.inp").write_text(text)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        rows = (self.at / "box_tplot.dat").read_text().splitlines()[1:]
+        self.assertEqual([int(row.split()[0]) for row in rows], [3, 6, 9])
+
     def test_a_bad_name_makes_no_folder(self):
         for name in (".", "..", "a/b", 300 * "a"):
             done = self.run_bezel("-o", "out", "--name", name, "box.inp")
