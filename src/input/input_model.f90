@@ -21,6 +21,7 @@ module input_model
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
   use input_touching, only: warn_touching
+  use input_twice, only: warn_repeated_conditions
   use input_untied, only: warn_hanging, warn_untied
   use mesh, only: place_origin
   use model, only: model_t
@@ -65,6 +66,7 @@ contains
         if (draft%errors%count() > 0) exit stages
         call tabulate_basis(mesh) ! surface loads need the quadrature rules
         call find_tied(draft, mesh, tied)
+        call warn_repeated_conditions(draft)
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
         call close_constraints(draft, mesh)

@@ -42,6 +42,7 @@ contains
 
     if (size(bc%motion) < 2) return
     call identify(draft, bc, id)
+    call warn_repeated(id, bc%motion)
     call warn_different(id, nnode, bc)
     allocate (on(nnode), source=.false.)
     do i = size(id), 2, -1 ! earlier motions still have all of their nodes
@@ -55,6 +56,23 @@ contains
       end do
     end do
   end subroutine count_motions_once
+
+  !> Warn about each MOVE that is equal to an earlier one, unless it moves nothing.
+  subroutine warn_repeated(id, motion)
+    type(identity_t), intent(in) :: id(:)
+    type(motion_t), intent(in) :: motion(:)
+    integer :: i, j
+
+    do i = 2, size(id)
+      if (id(i)%turn < 2) cycle
+      if (motion(i)%rotates .and. .not. abs(motion(i)%angle) > 0.0_wp) cycle
+      if (.not. (motion(i)%rotates .or. any(abs(motion(i)%vector) > 0.0_wp))) cycle
+      j = findloc(id%place == id(i)%place .and. id%motion == id(i)%motion, .true., 1)
+      call warn('the same MOVE is already given in line '//to_text(motion(j)%place%line) &
+                //', and both motions add up', motion(i)%place, 'remove one of them, or give the ' &
+                //'sum in one record')
+    end do
+  end subroutine warn_repeated
 
   subroutine identify(draft, bc, id)
     type(draft_t), intent(in) :: draft

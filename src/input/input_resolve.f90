@@ -82,16 +82,19 @@ contains
   !> Warn if the last of the given pressures is equal to an earlier one.
   subroutine warn_repeated(pressure)
     type(pressure_t), intent(in) :: pressure(:)
+    character(:), allocatable :: follows
     integer :: i
 
     associate (p => pressure(size(pressure)))
       do i = 1, size(pressure) - 1
         associate (q => pressure(i))
           if (size(p%elem) /= size(q%elem) .or. p%table /= q%table) cycle
-          if ((p%follower .neqv. q%follower) .or. abs(p%value - q%value) > 0.0_wp) cycle
-          if (.not. abs(p%value) > 0.0_wp) cycle
+          if (abs(p%value - q%value) > 0.0_wp .or. .not. abs(p%value) > 0.0_wp) cycle
           if (any(p%block /= q%block .or. p%elem /= q%elem .or. p%side /= q%side)) cycle
-          call warn('the same PRESsure is already given in line '//to_text(q%place%line) &
+          follows = ''
+          if (p%follower .and. .not. q%follower) follows = ' without FOLLower'
+          if (q%follower .and. .not. p%follower) follows = ' with FOLLower'
+          call warn('the same PRESsure is already given in line '//to_text(q%place%line)//follows &
                     //', so the face bears the sum of both', p%place, &
                     'remove one of them, or give the sum in one record')
           return

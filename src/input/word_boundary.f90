@@ -2,6 +2,7 @@
 module word_boundary
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
@@ -32,6 +33,9 @@ contains
                                                  'FIX,WHERE code1 code2 code3', error)
     if (.not. allocated(error)) call get_numbers(deck, record, i, s%code, error, 0)
     if (allocated(error)) return
+    if (all(s%code == 0)) call warn('this FIX restrains no direction and has no effect', &
+                                    record%place(1), 'a code that is not 0 restrains its ' &
+                                    //'direction; FIX does not remove restraints of other records')
     if (draft%nsupport == size(draft%support)) then
       allocate (longer(2*draft%nsupport + 8))
       longer(:draft%nsupport) = draft%support

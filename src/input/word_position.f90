@@ -6,6 +6,7 @@
 module word_position
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
@@ -221,7 +222,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(condition_entry_t) :: r
     character(:), allocatable :: fields
-    logical :: given(9), more
+    logical :: given(9), loaded(9), more
     integer :: i
 
     has_line = .false.
@@ -237,6 +238,7 @@ contains
     if (allocated(error)) return
     allocate (r%surface(4, 9), source=0.0_wp)
     given = .false.
+    loaded = .false.
     do
       call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
@@ -258,11 +260,21 @@ contains
       call get_numbers(deck, line, 2, r%surface(:, i), error, 0.0_wp)
       if (allocated(error)) return
       given(i) = .true.
+      loaded(i) = .not. line%is_empty(5)
     end do
     if (.not. all(given(:4))) then
       call fail(error, DECK_ERROR, 'the surface has no corner ' &
                 //to_text(findloc(given(:4), .false., 1)), r%place, 'give points 1 to 4')
       return
+    end if
+    if (r%word == R_CSUR .and. .not. any(loaded)) then
+      call fail(error, DECK_ERROR, 'the surface has no pressure', r%place, 'give each point its ' &
+                //'pressure: '//fields)
+      return
+    else if (r%word == R_CSUR .and. any(given .and. .not. loaded)) then
+      i = findloc(given .and. .not. loaded, .true., 1)
+      call warn('point '//to_text(i)//' of the surface has no pressure, which means 0 there, but ' &
+                //'other points have one', r%place, 'give each point its pressure: '//fields)
     end if
     associate (x => r%surface)
       do i = 1, 4
