@@ -67,6 +67,7 @@ contains
         call tabulate_basis(mesh) ! surface loads need the quadrature rules
         call find_tied(draft, mesh, tied)
         call warn_repeated_conditions(draft)
+        call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
         call close_constraints(draft, mesh)
@@ -82,7 +83,7 @@ contains
         call find_unread(draft%tables, draft%model%unread)
         call resolve_curves(draft, draft%model)
         if (draft%errors%count() > 0) exit stages
-        call check_jacobians(draft, mesh)
+        call check_jacobians(draft, mesh) ! TIE may have joined nodes of an element
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call warn_twisted(draft, mesh)

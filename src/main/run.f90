@@ -65,7 +65,7 @@ contains
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
-    logical :: rewound
+    logical :: rewound, unsolved
 
     if (allocated(job%files%kept)) then
       call open_files(job, error) ! removes what a killed run wrote after its last checkpoint
@@ -83,6 +83,7 @@ contains
         call execute_next(job, error)
         if (allocated(error)) return
       else
+        unsolved = job%step%open .and. .not. job%step%solved
         call finish_step(job, rewound, error)
         if (allocated(error)) return
         if (.not. rewound) exit
@@ -95,6 +96,9 @@ contains
     if (job%step%total%iterations == 0 .and. job%model%neq > 0) then
       call warn('no system was solved: displacements have not changed since the start', &
                 hint='TANG,,1 and UTAN,,1 solve; TANG and UTAN alone only form the tangent')
+    else if (unsolved) then
+      call warn('the last step that TIME began was not solved: the results end with the step ' &
+                //'before it', hint='in a loop, TIME comes before TANG,,1 or UTAN,,1')
     end if
     call warn_soft_penalty(job%model, job%state)
     call warn_crossed(job%model%mesh, job%model%contact, job%model%mesh%xr + job%state%u)
