@@ -8,6 +8,7 @@ module command_solve
   use command_step, only: open_step_here, take_outcome
   use command_type, only: run_t, command_t, command_row_t, program_t, new_row, &
                           check_fields
+  use contact_pair, only: MORTAR
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK, AUTO
   use model, only: model_t
   use newton, only: set_factorisation
@@ -191,13 +192,18 @@ contains
     end associate
   end subroutine show_iteration
 
-  !> May the tangent of the model be unsymmetric?
+  !> May the tangent of the model be unsymmetric? The mortar scheme has a potential unless there is
+  !! friction or bonds.
   pure function is_unsymmetric(model) result(yes)
     type(model_t), intent(in) :: model
     logical :: yes
     integer :: i
 
-    yes = size(model%contact) > 0
+    yes = .false.
+    do i = 1, size(model%contact)
+      yes = yes .or. model%contact(i)%scheme /= MORTAR .or. model%contact(i)%friction%given &
+            .or. model%contact(i)%cohesive%given
+    end do
     do i = 1, size(model%bc%pressure)
       yes = yes .or. model%bc%pressure(i)%follower
     end do
