@@ -5,20 +5,45 @@
 !! contact acts. Results and warnings about the penetration therefore include the corners.
 module contact_corners
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t
   use projection, only: project
-  use projection_search, only: grid_t
+  use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
   use surface_geometry, only: surface_point
   use tensor, only: cross
   implicit none
   private
-  public :: deepest_corner, CORNER_XI
+  public :: deepest_corner, corner_overlap, CORNER_XI
 
   !> Parameters of corners 1 to 4 of an element.
   real(wp), parameter :: CORNER_XI(2, 4) = reshape([-1, -1, 1, -1, -1, 1, 1, 1]*1.0_wp, [2, 4])
 
+  !> A penetration that is smaller than this fraction of the size of the smallest element is due to
+  !! rounding.
+  real(wp), parameter :: ROUNDING = 1.0e-6_wp
+
 contains
+
+  !> Largest penetration of the corners of both sides at the positions x [L]; 0 if it is due to
+  !! rounding. Corners of rigid sides and of bonded elements are left out.
+  function corner_overlap(contact, x, state) result(overlap)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) [L]
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: overlap
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    integer :: k
+
+    call place_surfaces(contact, x, shape, grid)
+    overlap = 0.0_wp
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      overlap = max(overlap, deepest_corner(contact, k, shape, grid(3 - k), state%side(k)))
+      if (.not. allocated(contact%side(k)%width)) cycle
+      if (overlap <= ROUNDING*minval(contact%side(k)%width)) overlap = 0.0_wp
+    end do
+  end function corner_overlap
 
   !> Largest penetration of the corners of side k into the other side [L]. A corner is included if
   !! one of its elements faces the surface onto which the corner is projected. Corners of bonded

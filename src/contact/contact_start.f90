@@ -10,6 +10,7 @@ module contact_start
   use base_log, only: log_line, warn
   use base_text, only: position_text, to_text
   use contact_bond, only: find_bonds, find_opened_bonds
+  use contact_corners, only: corner_overlap
   use contact_history, only: new_contact_state
   use contact_nearness, only: start_t, look_at_start, look_farther
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR, MAX_POINT
@@ -29,6 +30,7 @@ contains
     type(model_t), intent(in) :: model
     type(contact_state_t) :: state
     type(start_t) :: start
+    real(wp) :: corner                   ! largest penetration of a corner [L]
     integer :: c, k, n(2)
     logical :: apart                     ! no point of either side is opposite the other side
     character(:), allocatable :: name
@@ -36,8 +38,8 @@ contains
     do c = 1, size(model%contact)
       associate (contact => model%contact(c))
         name = "contact '"//contact%name//"': "
+        call new_contact_state(contact, state)
         if (contact%cohesive%given) then
-          call new_contact_state(contact, state)
           call find_bonds(contact, model%mesh%xr, state)
           n = [(count(state%side(k)%bond > 0), k=1, 2)]
           call log_line('contact '//contact%name//': bonded are '//bonded_text(state%side(1)) &
@@ -50,6 +52,8 @@ contains
         end if
         if (.not. contact%self) call warn_tied(contact)
         call look_at_start(contact, model%mesh%xr, start)
+        corner = 0.0_wp
+        if (.not. contact%self) corner = corner_overlap(contact, model%mesh%xr, state)
         apart = .false.
         if (start%nnear == 0 .and. .not. contact%self) then
           call look_farther(contact, model%mesh%xr, start)
@@ -85,9 +89,16 @@ contains
         else if (start%ninside > 0) then
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
                     //'penetrate the other side at the start, by up to ' &
-                    //to_text(start%deepest, 3)//' at '//position_text(start%x), contact%place, &
+                    //to_text(start%deepest, 3)//' at '//position_text(start%x) &
+                    //corner_text(corner, start%deepest), contact%place, &
                     'the first step pushes them out; if no press fit is intended, move one of ' &
                     //'the bodies')
+        else if (corner > 0.0_wp) then
+          call warn(name//'corners of elements penetrate the other side at the start, by up to ' &
+                    //to_text(corner, 3)//', although no integration point does', &
+                    contact%place, 'the first step pushes them out; curved faces of linear ' &
+                    //'elements that fit each other need equal meshes, smaller elements, or ' &
+                    //'layers with ENRIch')
         else if (start%gap < huge(start%gap)) then
           call log_line('contact '//contact%name//': smallest gap at the start ' &
                         //to_text(start%gap, 3)//' at '//position_text(start%x_gap))
@@ -95,6 +106,15 @@ contains
       end associate
     end do
   end subroutine warn_contacts
+
+  !> Part of a warning: how deep corners of elements penetrate, if they are deeper than points.
+  function corner_text(corner, deepest) result(text)
+    real(wp), intent(in) :: corner, deepest !! [L]
+    character(:), allocatable :: text
+
+    text = ''
+    if (corner > deepest) text = ', and corners of elements by up to '//to_text(corner, 3)
+  end function corner_text
 
   !> The numbers of points and the areas of one side, bonded and in all.
   function bonded_text(points) result(text)
