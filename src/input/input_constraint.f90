@@ -10,7 +10,7 @@ module input_constraint
   use mesh, only: mesh_t
   implicit none
   private
-  public :: close_constraints, release_slaves
+  public :: close_constraints, release_slaves, named
 
   real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! largest distance of a slave from the place that its
   !! masters give it, relative to its distance from the farthest master

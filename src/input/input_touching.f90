@@ -10,6 +10,7 @@ module input_touching
   use constraint, only: slave_marks
   use contact_pair, only: contact_t, surface_t
   use contact_surface, only: gather_faces
+  use input_constraint, only: named
   use input_draft, only: draft_t
   use input_joined, only: is_joined, is_held, differ, find_rigid_nodes
   use input_skin, only: body_name
@@ -75,11 +76,12 @@ contains
     type(skin_t) :: skin
     type(pair_t), allocatable :: pair(:)
     logical, allocatable :: double(:) ! (nnode) another node, not joined, lies at the same position
+    logical, allocatable :: loose(:)  ! (nnode) a hanging node without a constraint
     integer :: m, n, p, npair
 
     call make_skin(mesh, contact, skin)
     if (skin%surface%nelem < 2) return
-    call find_pairs(mesh, skin, pair, npair, double)
+    call find_pairs(mesh, skin, pair, npair, double, loose)
     m = 0
     n = 0
     do p = 1, npair
@@ -96,7 +98,7 @@ contains
         if (n > MOST_PAIRS) then
           cycle
         else if (a == b) then
-          call warn_seam(draft, mesh, skin, pair(p), double)
+          call warn_seam(draft, mesh, skin, pair(p), double, loose)
         else
           call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' touch over an area of ' &
                     //'about '//to_text(maxval(area_of(pair(p))), 2)//', but nothing joins them, ' &
@@ -152,15 +154,15 @@ contains
 
   !> Warn about a body that comes apart, or about elements of BLOCk and ELEMents, which belong to no
   !! body, if they come apart.
-  subroutine warn_seam(draft, mesh, skin, pair, double)
+  subroutine warn_seam(draft, mesh, skin, pair, double, loose)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(in) :: skin
     type(pair_t), intent(in) :: pair
-    logical, intent(in) :: double(:)  !! (nnode)
+    logical, intent(in) :: double(:), loose(:) !! (nnode)
     logical :: seen(size(double))
     character(:), allocatable :: text, hint
-    integer :: e, n
+    integer :: e, m, n
 
     seen = .false.
     do e = 1, skin%surface%nelem
@@ -168,12 +170,18 @@ contains
       seen(skin%surface%node(skin%surface%first(e):skin%surface%first(e + 1) - 1)) = .true.
     end do
     n = count(seen .and. double)
+    m = count(seen .and. loose)
     text = 'element faces of '//body_name(mesh, pair%body(1))//' touch each other over an area ' &
            //'of about '//to_text(sum(pair%area)/2, 2)//' and are not joined'
     if (n > 0) then
       text = text//', although some of their nodes coincide with other nodes (number: ' &
              //to_text(n)//')'
       hint = 'join these nodes with TIE; otherwise the body comes apart there'
+    else if (m > 0) then
+      text = text//': nodes of the one lie between nodes of the other and have no constraint ' &
+             //'(number: '//to_text(m)//'), such as '//named(mesh, findloc(seen .and. loose, &
+                                                                           .true., 1))
+      hint = 'the body comes apart there: the file of CONStraint must contain all hanging nodes'
     else
       hint = 'the body comes apart there: use meshes that match, and join them with TIE'
     end if
@@ -334,33 +342,40 @@ contains
   end function number_of
 
   !> Find the pairs of bodies whose faces touch and are not joined, and those nodes of such faces
-  !! that lie at the position of another node.
-  subroutine find_pairs(mesh, skin, pair, npair, double)
+  !! that lie at the position of another node. If the mesh has constraints, also find the hanging
+  !! nodes without a constraint.
+  subroutine find_pairs(mesh, skin, pair, npair, double, loose)
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(in) :: skin
     type(pair_t), allocatable, intent(out) :: pair(:)
     integer, intent(out) :: npair
-    logical, allocatable, intent(out) :: double(:)
+    logical, allocatable, intent(out) :: double(:), loose(:)
     logical, allocatable :: hangs(:)
     real(wp) :: xi(2), x(3), a(3, 2), b(3, 3), area(3), gap
-    logical :: unlike
+    logical :: unlike, free
     integer :: e, f, i, k, p
 
-    allocate (pair(8), double(mesh%nnode))
+    allocate (pair(8))
+    allocate (double(mesh%nnode), loose(mesh%nnode), source=.false.)
     npair = 0
-    double = .false.
     hangs = [(.false., i=1, mesh%nnode)]
     if (mesh%constraint%n > 0) hangs = slave_marks(mesh%constraint, mesh%nnode) > 0
     associate (s => skin%surface)
       do e = 1, s%nelem
-        if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle ! masters join a hanging node
         do k = 0, NPOINT**2 - 1
           xi = (2*[mod(k, NPOINT), k/NPOINT] + 1)/real(NPOINT, wp) - 1.0_wp
           call surface_point(s, skin%shape, e, xi, x, a, b)
           area = cross(a(:, 1), a(:, 2))*(2.0_wp/NPOINT)**2
           call find_face(skin, e, xi, x, area, f, gap, unlike)
           if (f == 0) cycle
-          if (any(hangs(s%node(s%first(f):s%first(f + 1) - 1)))) cycle
+          free = .false.
+          if (mesh%constraint%n > 0 .and. skin%body(e) == skin%body(f)) then
+            call mark_loose(mesh, skin, hangs, e, f, loose, free)
+          end if
+          if (.not. free) then ! masters join hanging nodes
+            if (any(hangs(s%node(s%first(e):s%first(e + 1) - 1)))) cycle
+            if (any(hangs(s%node(s%first(f):s%first(f + 1) - 1)))) cycle
+          end if
           call find_pair(skin%body(e), skin%body(f), f, pair, npair, p)
           if (unlike) then
             call count_unlike(merge(1, 2, skin%body(e) == pair(p)%body(1)), pair(p))
@@ -550,5 +565,41 @@ contains
       end do
     end associate
   end subroutine mark_double
+
+  !> Mark the nodes of each of two faces that lie on the other one and are joined to it neither by a
+  !! node at the same position nor by a constraint. Control points of splines do not count, as they
+  !! need not lie on their faces.
+  subroutine mark_loose(mesh, skin, hangs, e, f, loose, free)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    logical, intent(in) :: hangs(:)       !! (nnode) the node has a constraint
+    integer, intent(in) :: e, f
+    logical, intent(inout) :: loose(:)    !! (nnode)
+    logical, intent(out) :: free          !! there are such nodes, or nodes at the same position
+    !! that are not joined
+    real(wp) :: near, gap, x(3), xi(2), a(3, 2), b(3, 3)
+    integer :: face(2), i, j, k
+
+    free = .false.
+    face = [e, f]
+    near = TOUCHING*min(skin%width(e), skin%width(f))
+    associate (s => skin%surface)
+      do k = 1, 2
+        if (skin%spline(face(k))) cycle
+        call surface_point(s, skin%shape, face(k), [0.0_wp, 0.0_wp], x, a, b)
+        associate (other => s%node(s%first(face(3 - k)):s%first(face(3 - k) + 1) - 1))
+          do i = s%first(face(k)), s%first(face(k) + 1) - 1
+            if (hangs(s%node(i)) .or. any(other == s%node(i))) cycle
+            x = mesh%xr(:, s%node(i))
+            call measure(skin, face(3 - k), x, cross(a(:, 1), a(:, 2)), gap, xi)
+            if (abs(gap) > near) cycle
+            free = .true.
+            if (any([(all(abs(mesh%xr(:, other(j)) - x) <= near), j=1, size(other))])) cycle
+            loose(s%node(i)) = .true.
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine mark_loose
 
 end module input_touching
