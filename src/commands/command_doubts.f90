@@ -1,8 +1,12 @@
 !> Warnings about commands that are probably not intended; they are issued when the whole deck has
 !! been read.
 module command_doubts
+  use base_kinds, only: wp
   use base_log, only: warn
+  use base_text, only: to_text
   use command_type, only: run_t
+  use inertia, only: count_scaled
+  use mesh, only: is_rigid
   use table_use, only: warn_tables
   implicit none
   private
@@ -23,8 +27,35 @@ contains
     else if (first(run, 'time') == 0) then
       call warn_idle(run, 'tran', 'TRANsient has no effect without TIME: the single step at t = ' &
                      //'0 has no inertia', 'add DT,,dt and a loop with TIME to the commands')
+    else
+      call warn_scaled(run)
     end if
   end subroutine warn_commands
+
+  !> Warn of elements with which a uniform acceleration causes stress if masses are lumped.
+  subroutine warn_scaled(run)
+    type(run_t), intent(in) :: run
+    integer :: b, i, n
+
+    do i = 1, size(run%program%command)
+      associate (command => run%program%command(i))
+        if (command%record%key(1) /= 'mass' .or. command%record%key(2) /= 'lump') cycle
+        do b = 1, size(run%model%mesh%block)
+          associate (block => run%model%mesh%block(b))
+            if (is_rigid(block)) cycle
+            if (.not. run%model%material(block%material)%density > 0.0_wp) cycle
+            n = count_scaled(block, run%model%mesh%xr)
+            if (n == 0) cycle
+            call warn('the masses of '//to_text(n)//' of '//to_text(block%nelem)//' elements ' &
+                      //trim(block%name)//' are a scaled diagonal, because row sums of their ' &
+                      //'mass matrices are not positive: a uniform acceleration causes stress in ' &
+                      //'them', command%record%place(1), 'use MASS,CONSistent')
+          end associate
+        end do
+        return
+      end associate
+    end do
+  end subroutine warn_scaled
 
   !> Warn about commands that prepare steps or solves if all of these come before them.
   subroutine warn_late(run)

@@ -8,17 +8,21 @@ module inertia
   use tensor, only: det3
   implicit none
   private
-  public :: mass_t, find_masses, driven_marks, add_inertia, kinetic_energy, energy_of_rate
+  public :: mass_t, find_masses, count_scaled, driven_marks, add_inertia, kinetic_energy, &
+            energy_of_rate
 
   !> Mass matrices of the elements of one block, the same for every direction.
   type :: mass_t
     real(wp), allocatable :: m(:, :, :) !! (nen, nen, nelem) [M]
   end type mass_t
 
+  !> A row sum of a mass matrix is taken as positive if it exceeds this part of the diagonal, so
+  !! that the sign is not that of a rounding error.
+  real(wp), parameter :: CLEARLY_POSITIVE = 1.0e-3_wp
+
 contains
 
-  !> Find consistent masses, or diagonal masses with the same sum (Hinton, Rock and Zienkiewicz
-  !! 1976), which are positive for all shape functions.
+  !> Find consistent masses, or diagonal masses with the same sum, which are positive.
   subroutine find_masses(model, dynamics, mass)
     type(model_t), intent(in) :: model
     type(dynamics_t), intent(in) :: dynamics
@@ -63,19 +67,49 @@ contains
     end associate
   end subroutine element_mass
 
+  !> Replace a mass matrix by a diagonal one. Its row sums are the nodal forces of a uniform
+  !! acceleration, so a body on which a uniform force per mass acts falls without stress. Where row
+  !! sums are not positive, the diagonal is scaled to the same sum, which is positive for all shape
+  !! functions (Hinton, Rock and Zienkiewicz 1976), and a uniform acceleration causes stress.
   pure subroutine lump(m)
     real(wp), intent(inout) :: m(:, :)
-    real(wp) :: d(size(m, 1)), whole
+    real(wp) :: d(size(m, 1))
     integer :: a
 
-    whole = sum(m)
-    d = [(m(a, a), a=1, size(d))]
-    if (sum(d) > 0.0_wp) d = d*(whole/sum(d))
+    if (has_positive_rows(m)) then
+      d = sum(m, 2)
+    else
+      d = [(m(a, a), a=1, size(d))]
+      if (sum(d) > 0.0_wp) d = d*(sum(m)/sum(d))
+    end if
     m = 0.0_wp
     do a = 1, size(d)
       m(a, a) = d(a)
     end do
   end subroutine lump
+
+  !> Are all row sums of a mass matrix positive?
+  pure logical function has_positive_rows(m) result(yes)
+    real(wp), intent(in) :: m(:, :)
+    integer :: a
+
+    yes = all([(sum(m(:, a)) > CLEARLY_POSITIVE*m(a, a), a=1, size(m, 1))])
+  end function has_positive_rows
+
+  !> Number of elements of a block whose lumped masses are the scaled diagonal.
+  pure integer function count_scaled(block, xr) result(n)
+    type(block_t), intent(in) :: block
+    real(wp), intent(in) :: xr(:, :)      !! (3, nnode) [L]
+    real(wp) :: m(block%nen, block%nen)
+    integer :: e
+
+    n = 0
+    if (is_rigid(block)) return
+    do e = 1, block%nelem
+      call element_mass(block, e, xr(:, block%conn(:, e)), 1.0_wp, m)
+      if (.not. has_positive_rows(m)) n = n + 1
+    end do
+  end function count_scaled
 
   !> Find the displacements whose acceleration is that of a prescribed displacement: the prescribed
   !! ones, and those of slaves with prescribed masters only.
