@@ -12,6 +12,7 @@
     debonding_extremes  debonding with extreme parameters
     debonding_points    accuracy and cost of the integration points of bonds
     mutate              mutated decks
+    mutate_source       changes of the source, and which of them the tests notice
     deck_errors.run     bad decks and their messages
     restart.run         stopped and restarted runs
     recover             the same for the runs of the quick checks (`verify --recover`)
