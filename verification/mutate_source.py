@@ -104,14 +104,15 @@ TEXT = re.compile(r"warn|fail\(|log_line|to_text|note\(|hint|'|\"|error\b")
 
 
 def find_mutants(patterns):
-    """All possible mutants, as dictionaries with the first five COLUMNS, and `first`, the line in which
-    the statement begins.
+    """All possible mutants, as dictionaries with the first five COLUMNS, and `lines`, a number with a
+    bit for each line of the statement.
     """
     found = []
     for path in sorted({p for pattern in patterns for p in TOP.glob(pattern)}):
         continued = skipped = False
         first = 0
-        for number, text in enumerate(path.read_text().splitlines(), 1):
+        source = path.read_text().splitlines()
+        for number, text in enumerate(source, 1):
             code = text.split("!", 1)[0].rstrip() if "'" not in text else text.rstrip()
             if not continued:
                 first = number
@@ -129,9 +130,13 @@ def find_mutants(patterns):
             ]
             if DELETED.match(code) and first == number and not continued:
                 changed.append(("delete", "continue"))
+            last = number
+            while source[last - 1].split("!")[0].rstrip().endswith("&"):
+                last += 1
+            lines = (1 << last + 1) - (1 << first)
             for name, after in changed:
                 cells = (str(path.relative_to(TOP)), str(number), name, code.strip(), after.strip())
-                found.append(dict(zip(COLUMNS[:5], cells, strict=True)) | {"first": first})
+                found.append(dict(zip(COLUMNS[:5], cells, strict=True)) | {"lines": lines})
     return found
 
 
@@ -166,7 +171,8 @@ def all_tests():
     discover = ["discover", "-s", "verification/reference/tests", "-t", "."]
     python = {"reference": (sorted((TOP / "verification/reference").glob("**/*.py")), discover)}
     for p in (TOP / f"verification/trouble/test_{name}.py" for name in TROUBLE):
-        python[f"trouble {p.stem}"] = ([p], [f"verification.trouble.{p.stem}"])
+        for name in re.findall(r"^class (\w+)", p.read_text(), re.MULTILINE):
+            python[f"trouble {p.stem} {name}"] = ([p], [f"verification.trouble.{p.stem}.{name}"])
     for name, (files, words) in python.items():
         found.append(Test(name, hash_of(files), ["python", "-m", "unittest", *words]))
     for folder, expect in verify.read_cases(None)[0]:
@@ -355,11 +361,10 @@ class Judge(Tree):
     def tests_of(self, mutant):
         """The tests that execute the line of the mutant, in the order in which they are run."""
         stem = Path(mutant["file"]).stem
-        bits = 1 << int(mutant["line"]) | 1 << mutant["first"]
         names = [
             name
             for name, record in self.records.items()
-            if record["passed"] and int(record["lines"].get(stem, "0"), 16) & bits
+            if record["passed"] and int(record["lines"].get(stem, "0"), 16) & mutant["lines"]
         ]
         known = lambda n: UNIT * n.startswith("unit") + self.caught[mutant["file"], n]
         return sorted(names, key=lambda n: self.records[n]["seconds"] / (1 + known(n)))
