@@ -197,15 +197,17 @@ class Sliding(Folder):
         """The push grows up to 0.31 of the load from above, which is constant, and friction bears
         0.3 of it; the last step fails at less than 0.3.
         """
-        said = self.slide(
+        changes = (
             ("mu = 0.05", "mu = 0.3"),
             ("q = 0.5", "q = 0.31"),
             ("q*p PROP 1", "q*p PROP 2"),
             ("PROP,,1\n", "PROP,,1,2\n"),
             ("END\n\n\nSTOP", "END\n2 2\n0 0 0.5 1\n\n2 2\n0.5 0 1 1\n\n\nSTOP"),
         )
-        self.assertIn("; at time 1, body 'up' slides along", said)
-        self.assertIn("times its normal loads, but friction can resist at most 0.3", said)
+        for more in ((), (("q*p PROP 2", "q*p PROP 2 FOLLower"),)):
+            said = self.slide(*changes, *more)
+            self.assertIn("; at time 1, body 'up' slides along", said)
+            self.assertIn("times its normal loads, but friction can resist at most 0.3", said)
 
     def test_supports_across_the_motion_do_not_hide_it(self):
         self.assertIn("slides along x", self.slide(("FIX,low", "FIX,up,2- 0 1 0\nFIX,low")))
