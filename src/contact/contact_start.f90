@@ -13,7 +13,8 @@ module contact_start
   use contact_corners, only: corner_overlap
   use contact_history, only: new_contact_state
   use contact_nearness, only: start_t, look_at_start, look_farther
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t, MORTAR, MAX_POINT
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, surface_t, &
+                          MORTAR, MAX_POINT
   use mesh, only: mesh_t
   use model, only: model_t
   implicit none
@@ -21,6 +22,7 @@ module contact_start
   public :: warn_contacts
 
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
+  real(wp), parameter :: CRUDE = 0.03_wp      !! deviation over penetration above which to warn
 
 contains
 
@@ -31,6 +33,7 @@ contains
     type(contact_state_t) :: state
     type(start_t) :: start
     real(wp) :: corner                   ! largest penetration of a corner [L]
+    real(wp) :: off(2)                   ! deviations of the two sides from their geometry [L]
     integer :: c, k, n(2)
     logical :: apart                     ! no point of either side is opposite the other side
     character(:), allocatable :: name
@@ -54,6 +57,7 @@ contains
         call look_at_start(contact, model%mesh%xr, start)
         corner = 0.0_wp
         if (.not. contact%self) corner = corner_overlap(contact, model%mesh%xr, state)
+        off = [(deviation(model%mesh, contact%side(k)), k=1, 2)]
         apart = .false.
         if (start%nnear == 0 .and. .not. contact%self) then
           call look_farther(contact, model%mesh%xr, start)
@@ -90,9 +94,10 @@ contains
           call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
                     //'penetrate the other side at the start, by up to ' &
                     //to_text(start%deepest, 3)//' at '//position_text(start%x) &
-                    //corner_text(corner, start%deepest), contact%place, &
+                    //corner_text(corner, start%deepest) &
+                    //deviation_text(off, start%deepest), contact%place, &
                     'the first step pushes them out; if no press fit is intended, move one of ' &
-                    //'the bodies')
+                    //'the bodies'//deviation_hint(off, start%deepest))
         else if (corner > 0.0_wp) then
           call warn(name//'corners of elements penetrate the other side at the start, by up to ' &
                     //to_text(corner, 3)//', although no integration point does', &
@@ -106,6 +111,45 @@ contains
       end associate
     end do
   end subroutine warn_contacts
+
+  !> Largest distance of the elements of a surface from the geometry of their patches [L].
+  pure real(wp) function deviation(mesh, side) result(d)
+    type(mesh_t), intent(in) :: mesh
+    type(surface_t), intent(in) :: side
+    integer :: b, f
+
+    d = 0.0_wp
+    do b = 1, size(mesh%body)
+      do f = 1, 6
+        associate (face => mesh%body(b)%face(f))
+          if (.not. face%deviation > d) cycle
+          if (any(side%block == face%block(1) .and. side%elem == face%elem(1) &
+                  .and. side%face == face%side(1))) d = face%deviation
+        end associate
+      end do
+    end do
+  end function deviation
+
+  !> Part of a warning: penetrations contain the deviations of the elements from their geometry.
+  function deviation_text(off, deepest) result(text)
+    real(wp), intent(in) :: off(2), deepest !! [L]
+    character(:), allocatable :: text
+
+    text = ''
+    if (sum(off) > CRUDE*deepest) text = '; the elements deviate from the exact faces by up to ' &
+                                         //to_text(sum(off), 3)
+  end function deviation_text
+
+  !> Part of a hint that belongs to `deviation_text`.
+  function deviation_hint(off, deepest) result(text)
+    real(wp), intent(in) :: off(2), deepest !! [L]
+    character(:), allocatable :: text
+
+    text = ''
+    if (sum(off) > CRUDE*deepest) text = '; if one is, its pressure may be wrong by the ratio ' &
+                                         //'of this deviation to the interference: use smaller ' &
+                                         //'elements, ENRIch or IGA'
+  end function deviation_hint
 
   !> Part of a warning: how deep corners of elements penetrate, if they are deeper than points.
   function corner_text(corner, deepest) result(text)

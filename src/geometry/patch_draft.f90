@@ -182,6 +182,7 @@ contains
         body%face(f)%block = list%block(:nface) + nblock
         body%face(f)%elem = list%elem(:nface)
         body%face(f)%side = list%side(:nface)
+        body%face(f)%deviation = list%deviation
       end associate
     end do
     call append_blocks(mesh%block, draft%block)

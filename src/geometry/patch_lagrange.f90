@@ -13,8 +13,9 @@ module patch_lagrange
   use few_points, only: warn_few_points, splines_lack_points
   use patch_draft, only: draft_t, add_node, add_face, new_block, find_row
   use patch_geometry, only: geometry_t, point
-  use patch_spec, only: patch_spec_t
+  use patch_spec, only: patch_spec_t, GEO_BOX
   use patch_surface, only: surface_t, make_surfaces, surface_functions, axis_of, side_of, local_side
+  use tensor, only: cross
   implicit none
   private
   public :: build_lagrange
@@ -73,7 +74,51 @@ contains
         end do
       end do
     end do
+    if (spec%geometry == GEO_BOX) return
+    do i = 1, 6
+      if (.not. enriched(i)) draft%face(i)%deviation = deviation(geo, m, i)
+    end do
   end subroutine build_lagrange
+
+  !> Largest distance of the elements of a face from its geometry, which they interpolate at their
+  !! nodes, normal to the face. It is found at the points halfway between the nodes and at the nodes
+  !! inside the elements, of at most MOST x MOST elements.
+  real(wp) function deviation(geo, m, face) result(d)
+    type(geometry_t), intent(in) :: geo
+    integer, intent(in) :: m                  !! degree of the elements, 1 or 2
+    integer, intent(in) :: face
+    integer, parameter :: MOST = 16
+    real(wp) :: x(3, 0:2*m, 0:2*m), h(3), n(3), w(0:m, 0:2*m)
+    integer :: along(2), a, b, i, j, p, q, at(3)
+
+    d = 0.0_wp
+    w = reshape([1.0_wp, 0.0_wp, 0.5_wp, 0.5_wp, 0.0_wp, 1.0_wp], [2, 3])
+    if (m == 2) w = reshape([8, 0, 0, 3, 6, -1, 0, 8, 0, -1, 6, 3, 0, 0, 8]/8.0_wp, [3, 5])
+    along = pack([1, 2, 3], [1, 2, 3] /= axis_of(face))
+    at = side_of(face)*2*m*geo%n
+    do j = 0, geo%n(along(2)) - 1, 1 + (geo%n(along(2)) - 1)/MOST
+      do i = 0, geo%n(along(1)) - 1, 1 + (geo%n(along(1)) - 1)/MOST
+        do b = 0, 2*m
+          do a = 0, 2*m
+            at(along) = 2*m*[i, j] + [a, b]
+            x(:, a, b) = point(geo, parameters_at(geo, 2*m, at))
+          end do
+        end do
+        do b = 1, 2*m - 1
+          do a = 1, 2*m - 1
+            h = 0.0_wp
+            do q = 0, m
+              do p = 0, m
+                h = h + w(p, a)*w(q, b)*x(:, 2*p, 2*q)
+              end do
+            end do
+            n = cross(x(:, a + 1, b) - x(:, a - 1, b), x(:, a, b + 1) - x(:, a, b - 1))
+            if (norm2(n) > 0.0_wp) d = max(d, abs(dot_product(h - x(:, a, b), n))/norm2(n))
+          end do
+        end do
+      end do
+    end do
+  end function deviation
 
   !> Make the nodes of all lattice points except on enriched faces, which have control points
   !! instead.

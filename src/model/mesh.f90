@@ -50,6 +50,7 @@ module mesh
     integer, allocatable :: block(:)   !! block of each element face
     integer, allocatable :: elem(:)    !! element in the block
     integer, allocatable :: side(:)    !! local face of that element (element_type, topology_t)
+    real(wp) :: deviation = 0.0_wp     !! largest distance from the geometry of a patch [L]
   end type body_face_t
 
   !> A named set of a mesh file.
