@@ -102,6 +102,8 @@ contains
     real(wp), intent(in) :: f_ext(:, :)         !! (3, nnode) loads [F]
     type(resultant_t) :: side(2), both, all_sides
     real(wp) :: force(3), moment(3), load(3), load_moment(3), r(3), x(3)
+    real(wp) :: force_size, moment_size
+    character(:), allocatable :: without
     integer :: c, k, n
 
     if (size(model%contact) == 0) return
@@ -126,6 +128,8 @@ contains
     moment = 0.0_wp
     load = 0.0_wp
     load_moment = 0.0_wp
+    force_size = all_sides%force_size/2 ! each force acts on two bodies, or is that of a support
+    moment_size = all_sides%moment_size/2
     do n = 1, model%mesh%nnode
       if (.not. model%mesh%used(n)) cycle
       x = model%mesh%xr(:, n) + state%u(:, n) - ORIGIN
@@ -134,12 +138,16 @@ contains
       moment = moment + cross(x, r)
       load = load + f_ext(:, n)
       load_moment = load_moment + cross(x, f_ext(:, n))
+      force_size = force_size + 0.5_wp*(norm2(r) + norm2(f_ext(:, n)))
+      moment_size = moment_size + 0.5_wp*(norm2(cross(x, r)) + norm2(cross(x, f_ext(:, n))))
     end do
     load = load + force + all_sides%force
     load_moment = load_moment + moment + all_sides%moment
+    without = ''
+    if (state%dynamics%on) without = ', without the forces of inertia'
     call log_line('supports: force'//vector(force)//', moment'//vector(moment)//'; sum with ' &
-                  //'contacts and loads: relative force'//ratio(load, all_sides%force_size/2) &
-                  //', relative moment'//ratio(load_moment, all_sides%moment_size/2))
+                  //'contacts and loads'//without//': relative force'//ratio(load, force_size) &
+                  //', relative moment'//ratio(load_moment, moment_size))
   end subroutine list_contacts
 
   !> The state of the points of both sides or, in self-contact, of the only side. The cells of
