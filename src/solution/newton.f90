@@ -270,7 +270,7 @@ contains
       do
         call take_pattern(newton, model, error)
         if (allocated(error)) return
-        call find_unheld(hold, model, state, newton%asm%k)
+        call find_unheld(hold, model, state, newton%asm%k, newton%secant%tangent)
         loaded = .false.
         if (hold%springs) then
           call find_flight(hold, model, state, loads_of(newton, state), force_tolerance(pass), &

@@ -2,7 +2,8 @@
 !! directions.
 !!
 !! The rigid motions v of such bodies are sorted by their stiffness v.K v/v.D v, where K is the
-!! tangent and the diagonal matrix D contains the mean stiffness of each node.
+!! tangent and the diagonal matrix D contains the mean stiffness of each node. For bodies much
+!! stiffer than the surfaces that hold them, D is reduced (find_softness).
 !!
 !! 1. If a translation has no stiffness (less than NO_STIFFNESS) and a load acts along it, the body
 !!    "flies": it is moved in that direction, or the shortest way to a surface whose friction can
@@ -48,6 +49,8 @@ module stabilisation
   real(wp), parameter :: SPRING = 1.0e-10_wp   !! stiffness of the springs, relative to the node's
   real(wp), parameter :: NO_STIFFNESS = 1.0e-9_wp
   real(wp), parameter :: WEAK = 1.0e-4_wp
+  real(wp), parameter :: MUCH = 30.0_wp        !! a body this many times as stiff as a surface is
+  !! compared with the surface
   real(wp), parameter :: NO_LOAD = 2.0e-2_wp   !! largest force of an anchor, relative to all loads
   real(wp), parameter :: PURE = 1.0e-6_wp      !! largest part of a rotation in a translation
   real(wp), parameter :: UNLOADED = 1.0e-6_wp  !! a smaller force, relative to the largest nodal
@@ -133,13 +136,14 @@ contains
   !> Find the rigid motions that supports do not prevent and the tangent resists only weakly
   !! (`weak`) or not at all (`unheld`). With inertia there are none, because inertia resists every
   !! motion.
-  subroutine find_unheld(hold, model, state, k)
+  subroutine find_unheld(hold, model, state, k, secant)
     type(stabilisation_t), intent(inout) :: hold
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
     type(block_matrix_t), intent(in) :: k
+    logical, intent(in) :: secant        !! the tangent has secants of friction
     real(wp), allocatable :: x(:, :), v(:, :, :), kv(:, :), c(:, :, :), g(:, :), d(:, :), t(:, :)
-    real(wp), allocatable :: kernel(:, :), q(:, :)
+    real(wp), allocatable :: kernel(:, :), q(:, :), soft(:)
     integer, allocatable :: owner(:)
     integer :: b, i, j, m, n, s
 
@@ -169,6 +173,7 @@ contains
       end do
     end do
     allocate (g(m, m), d(m, m), source=0.0_wp)
+    call find_softness(hold%body, model%contact, model%eq, k, soft)
     do j = 1, m
       call multiply(k, v(:, :, j), kv)
       do i = 1, m
@@ -181,7 +186,7 @@ contains
       do i = 1, m
         if (owner(i) /= owner(j)) cycle
         associate (node => hold%body(owner(j))%node)
-          d(i, j) = sum(v(:, node, i)*kv(:, node))
+          d(i, j) = soft(owner(j))*sum(v(:, node, i)*kv(:, node))
         end associate
       end do
     end do
@@ -193,7 +198,7 @@ contains
       hold%active = .true.
       hold%held = .false.
     end if
-    call null_vectors(g, WEAK, kernel, or_less=.true.)
+    call null_vectors(g, merge(NO_STIFFNESS, WEAK, secant), kernel, or_less=.true.)
     if (size(kernel, 2) == 0) then
       hold%held = all([(friction_acts(model%contact(s), state), s=1, size(model%contact))]) .and. &
                   .not. hold%fell
@@ -209,6 +214,44 @@ contains
     call orthonormalise(q)
     hold%unheld = reshape(q, [6, size(hold%body), size(q, 2)])
   end subroutine find_unheld
+
+  !> The factor of the stiffness of each body to which the stiffness of its motions is compared. A
+  !! contact cannot be stiffer than the softest surface that it has, so that a body which is much
+  !! stiffer would seem to be held by nothing.
+  subroutine find_softness(body, contact, eq, k, soft)
+    type(free_body_t), intent(in) :: body(:)
+    type(contact_t), intent(in) :: contact(:)
+    integer, intent(in) :: eq(:, :)      !! (3, nnode) equation numbers, 0: prescribed
+    type(block_matrix_t), intent(in) :: k
+    real(wp), allocatable, intent(out) :: soft(:) !! (body), at most 1
+    real(wp) :: least
+    integer :: b, c, i
+
+    least = huge(least)
+    do c = 1, size(contact)
+      do i = 1, 2
+        associate (node => contact(c)%side(i)%node)
+          if (any(eq(:, node) > 0)) least = min(least, mean_stiffness(k, node))
+        end associate
+      end do
+    end do
+    allocate (soft(size(body)))
+    do b = 1, size(body)
+      soft(b) = min(1.0_wp, MUCH*least/max(mean_stiffness(k, body(b)%node), tiny(least)))
+    end do
+  end subroutine find_softness
+
+  !> Mean stiffness of some nodes [F/L].
+  pure real(wp) function mean_stiffness(k, node) result(mean)
+    type(block_matrix_t), intent(in) :: k
+    integer, intent(in) :: node(:)
+    integer :: i
+
+    mean = 0.0_wp
+    do i = 1, size(node)
+      mean = mean + node_stiffness(k, node(i))/size(node)
+    end do
+  end function mean_stiffness
 
   !> Use springs because the tangent is singular although every motion seemed to be resisted. The
   !! result is false if there is no body that springs could hold.
