@@ -26,9 +26,9 @@ module contact_assembly
   use tensor, only: cross
   implicit none
   private
-  public :: contact_work_t, new_contact_work, begin_contact, set_secant, find_contact, &
-            contact_cliques, map_contact, add_contact, accept_contact, friction_acts, &
-            overlap_found, overlap_accepted, has_stale_cells
+  public :: contact_work_t, new_contact_work, begin_contact, set_secant, set_patience, &
+            find_contact, contact_cliques, map_contact, add_contact, accept_contact, &
+            friction_acts, overlap_found, overlap_accepted, has_stale_cells, has_followed
 
   integer, parameter, public :: CLIQUES = 4  !! groups of couplings of each contact
   real(wp), parameter :: AT_ONCE = 1.0e-6_wp !! tolerance of AFTEr, relative to the time step
@@ -107,6 +107,17 @@ contains
     end do
   end subroutine set_secant
 
+  !> May cells follow an iteration that converges slowly, because the bodies are held?
+  pure subroutine set_patience(work, patient)
+    type(contact_work_t), intent(inout) :: work(:)
+    logical, intent(in) :: patient
+    integer :: c
+
+    do c = 1, size(work)
+      work(c)%mortar%patient = patient
+    end do
+  end subroutine set_patience
+
   !> Does friction act in this step? If the contact has friction, it acts in all steps that start at
   !! the time AFTEr or later.
   pure logical function friction_acts(contact, state) result(acts)
@@ -173,6 +184,18 @@ contains
       yes = yes .or. work(c)%mortar%stale
     end do
   end function has_stale_cells
+
+  !> Did cells follow a settled iteration in the last find_contact? Their change is not part of the
+  !! tangent.
+  pure logical function has_followed(work) result(yes)
+    type(contact_work_t), intent(in) :: work(:)
+    integer :: c
+
+    yes = .false.
+    do c = 1, size(work)
+      yes = yes .or. work(c)%mortar%follows
+    end do
+  end function has_followed
 
   !> Largest penetration of the mortar contacts at the positions of find_contact, relative to the
   !! size of the smallest facet.

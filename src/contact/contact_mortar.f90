@@ -51,9 +51,16 @@ module contact_mortar
   !! the iteration began. Without friction, the forces in this state have a potential, and the state
   !! rotates with the bodies.
   real(wp), parameter :: MOVED = 1.0e-8_wp
+  !> The same fraction for cells that have been cut as often as possible: they may alternate between
+  !! two states, but must not belong to positions that differ visibly.
+  real(wp), parameter :: MATTERS = 4.0e-3_wp
   !> Largest number of times that cells are cut again after the iteration has settled. The count
   !! starts anew in each step, and whenever a later increment is large again.
   integer, parameter :: MOST_CUTS = 8
+  !> The same with friction, including cuts after increments that are smaller than DECREASES times
+  !! the smallest one before, which do not count in MOST_CUTS.
+  integer, parameter :: MOST_SLOW_CUTS = 12
+  real(wp), parameter :: DECREASES = 0.7_wp
   !> A point of a surface moves at most this many times as far as the nodes, because shape functions
   !! may be negative.
   real(wp), parameter :: OVERSHOOT = 2.0_wp
@@ -287,13 +294,26 @@ contains
       end do
       if (.not. far > MOVED_FAR*mortar%least) then
         if (trial) return
-        if (increment > SETTLES*mortar%least) mortar%cuts = 0
-        mortar%stale = far > MOVED*mortar%least .and. mortar%cuts < MOST_CUTS
+        mortar%follows = .false.
+        if (increment > SETTLES*mortar%least) then
+          mortar%cuts = 0
+          mortar%slow_cuts = 0
+        end if
+        mortar%stale = far > MOVED*mortar%least .and. mortar%cuts < MOST_CUTS &
+                       .and. mortar%slow_cuts < MOST_SLOW_CUTS .or. far > MATTERS*mortar%least
         if (increment > SETTLES*mortar%least .or. .not. mortar%stale) return
-        mortar%cuts = mortar%cuts + 1
+        mortar%follows = mortar%slides .and. mortar%patient
+        mortar%slow_cuts = mortar%slow_cuts + 1
+        if (mortar%slow_cuts == 1) mortar%increment = huge(increment)
+        if (.not. (mortar%follows .and. increment < DECREASES*mortar%increment)) then
+          mortar%cuts = mortar%cuts + 1
+        end if
+        mortar%increment = min(mortar%increment, increment)
       end if
     else
       mortar%cuts = 0
+      mortar%slow_cuts = 0
+      mortar%follows = .false.
     end if
     mortar%stale = .false.
     mortar%x_cut = x

@@ -71,8 +71,12 @@ module mortar_type
   type, public :: mortar_t
     integer :: step = -1                      !! step of the last projection
     integer :: cuts = 0                       !! number of cuts since the iteration settled
+    integer :: slow_cuts = 0                  !! the same, including those that do not count there
+    real(wp) :: increment = 0.0_wp            !! smallest motion before one of these cuts [L]
     logical :: stale = .false.                !! surfaces have moved since the last cut, and the
     !! cells will be cut again
+    logical :: patient = .true.               !! cells may be cut MOST_SLOW_CUTS times
+    logical :: follows = .false.              !! cells were cut because the iteration has settled
     integer :: iterate = 0                    !! evaluations since the step began, without trials
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut

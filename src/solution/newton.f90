@@ -3,13 +3,14 @@ module newton
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use anchored_newton, only: renew_anchors, solve_anchored, loads_of, sum_of_loads
   use anchors, only: anchors_t
+  use anderson, only: accelerate, accelerate_slow, forget, restart
   use approach, only: approach_surface
   use assembly, only: sweep_t, new_assembler, form, free_part, full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
-  use contact_assembly, only: begin_contact, set_secant, overlap_found, overlap_accepted, &
-                              has_stale_cells
+  use contact_assembly, only: begin_contact, set_secant, set_patience, overlap_found, &
+                              overlap_accepted, has_followed, has_stale_cells
   use continuation_type, only: turns_away
   use convergence, only: check_convergence, energy_tolerance, force_tolerance, &
                          find_largest_residual, node_spacing, find_floor, needs_line_search, &
@@ -22,7 +23,7 @@ module newton
   use newton_type, only: newton_t, pass_t
   use predictor, only: predict
   use prescribed, only: to_prescribed
-  use secant_friction, only: begin_secant, adapt_secant, accelerate
+  use secant_friction, only: begin_secant, adapt_secant
   use solution_state, only: accept_iteration
   use stabilisation, only: begin_stabilisation, find_unheld, use_springs, find_flight, &
                            release_loaded, find_reach, add_springs, remove_springs, &
@@ -55,6 +56,7 @@ contains
 
     newton%iterations = 0
     newton%before = 0
+    call restart(newton%past)
     call begin_secant(newton%secant, secant .and. .not. newton%constraint%on)
     if (allocated(newton%asm%contact)) then
       call begin_contact(newton%asm%contact)
@@ -94,6 +96,7 @@ contains
 
     call prepare_newton(newton, model, symmetric, error)
     if (allocated(error)) return
+    call set_patience(newton%asm%contact, patient=.not. newton%hold%used)
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return
     if (newton%predicted) call check_prediction(newton, model, state, pass%sweep, error)
@@ -226,7 +229,7 @@ contains
     end if
     if (newton%secant%on) then
       if (.not. moved .and. newton%secant%count > 1) then
-        call accelerate(newton%secant, newton%dx)
+        call accelerate(newton%secant%past, newton%dx)
         call full_vector(model%eq, newton%dx, du)
       end if
       call step_by(state, du, 1.0_wp)
@@ -235,6 +238,12 @@ contains
                        dot_product(newton%dx, newton%rhs), pass%line, error)
     else
       if (size(model%contact) > 0) pass%line = damping(newton)
+      if (has_followed(newton%asm%contact) .and. pass%line >= 1.0_wp .and. .not. moved) then
+        call accelerate_slow(newton%past, newton%dx)
+        call full_vector(model%eq, newton%dx, du)
+      else
+        call forget(newton%past)
+      end if
       call step_by(state, du, pass%line)
     end if
     newton%last = pass%line*newton%dx
@@ -393,7 +402,7 @@ contains
       call free_part(model%eq, -state%reaction - force, newton%rhs)
     end if
     if (newton%secant%on) then           ! this affects the next tangent
-      call adapt_secant(newton%secant, pass%residual)
+      call adapt_secant(newton%secant, pass%residual, sum_of_loads(newton, model, state))
       call set_secant(newton%asm%contact, newton%secant%tangent)
     end if
     do

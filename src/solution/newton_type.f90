@@ -1,5 +1,6 @@
 !> Newton's iteration of the current step, and the outcome of one iteration.
 module newton_type
+  use anderson, only: anderson_t
   use assembly, only: assembler_t, sweep_t
   use base_kinds, only: wp
   use continuation_type, only: path_constraint_t
@@ -16,6 +17,8 @@ module newton_type
     type(path_constraint_t) :: constraint !! measure prescribed in a step whose time is unknown
     type(stabilisation_t) :: hold      !! stabilises bodies that contact does not hold yet
     type(secant_t) :: secant           !! secants of friction in this step
+    type(anderson_t) :: past           !! increments between which cells of contact changed
+    logical :: released = .false.      !! the iteration had converged on cells of earlier positions
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! pattern and factorisation are for a symmetric matrix
     integer :: mode = AUTO             !! FACTor
