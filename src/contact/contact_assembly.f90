@@ -107,7 +107,8 @@ contains
     end do
   end subroutine set_secant
 
-  !> May cells follow an iteration that converges slowly, because the bodies are held?
+  !> Choose whether cells may be cut more often in a frictional iteration that converges slowly.
+  !! They may not while springs and anchors stabilise bodies.
   pure subroutine set_patience(work, patient)
     type(contact_work_t), intent(inout) :: work(:)
     logical, intent(in) :: patient
@@ -185,8 +186,8 @@ contains
     end do
   end function has_stale_cells
 
-  !> Did cells follow a settled iteration in the last find_contact? Their change is not part of the
-  !! tangent.
+  !> Were cells of a contact with friction cut in the last find_contact because the iteration has
+  !! settled? Their change is not part of the tangent.
   pure logical function has_followed(work) result(yes)
     type(contact_work_t), intent(in) :: work(:)
     integer :: c

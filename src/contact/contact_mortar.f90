@@ -280,9 +280,10 @@ contains
     type(facets_t) :: facets(2)
     real(wp) :: far, increment ! motion since the last cut, and since the last iterate [L]
     integer :: k
-    logical :: new
+    logical :: new, may_cut
 
     new = mortar%step /= step .or. .not. allocated(mortar%x_cut)
+    if (.not. trial) mortar%follows = .false.
     if (.not. new) then
       far = 0.0_wp
       increment = 0.0_wp
@@ -294,13 +295,12 @@ contains
       end do
       if (.not. far > MOVED_FAR*mortar%least) then
         if (trial) return
-        mortar%follows = .false.
         if (increment > SETTLES*mortar%least) then
           mortar%cuts = 0
           mortar%slow_cuts = 0
         end if
-        mortar%stale = far > MOVED*mortar%least .and. mortar%cuts < MOST_CUTS &
-                       .and. mortar%slow_cuts < MOST_SLOW_CUTS .or. far > MATTERS*mortar%least
+        may_cut = mortar%cuts < MOST_CUTS .and. mortar%slow_cuts < MOST_SLOW_CUTS
+        mortar%stale = far > merge(MOVED, MATTERS, may_cut)*mortar%least
         if (increment > SETTLES*mortar%least .or. .not. mortar%stale) return
         mortar%follows = mortar%slides .and. mortar%patient
         mortar%slow_cuts = mortar%slow_cuts + 1
@@ -313,7 +313,6 @@ contains
     else
       mortar%cuts = 0
       mortar%slow_cuts = 0
-      mortar%follows = .false.
     end if
     mortar%stale = .false.
     mortar%x_cut = x

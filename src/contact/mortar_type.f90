@@ -75,8 +75,9 @@ module mortar_type
     real(wp) :: increment = 0.0_wp            !! smallest motion before one of these cuts [L]
     logical :: stale = .false.                !! surfaces have moved since the last cut, and the
     !! cells will be cut again
-    logical :: patient = .true.               !! cells may be cut MOST_SLOW_CUTS times
-    logical :: follows = .false.              !! cells were cut because the iteration has settled
+    logical :: patient = .true.               !! a slow iteration may cut cells MOST_SLOW_CUTS times
+    logical :: follows = .false.              !! with friction, the cells were cut at the last
+    !! iterate because the iteration has settled
     integer :: iterate = 0                    !! evaluations since the step began, without trials
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
     real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut

@@ -18,7 +18,6 @@ module newton_type
     type(stabilisation_t) :: hold      !! stabilises bodies that contact does not hold yet
     type(secant_t) :: secant           !! secants of friction in this step
     type(anderson_t) :: past           !! increments between which cells of contact changed
-    logical :: released = .false.      !! the iteration had converged on cells of earlier positions
     logical :: ready = .false.         !! matrix pattern and symbolic factorisation exist
     logical :: symmetric = .true.      !! pattern and factorisation are for a symmetric matrix
     integer :: mode = AUTO             !! FACTor
