@@ -33,7 +33,6 @@ contains
     type(contact_state_t) :: state
     type(start_t) :: start
     real(wp) :: corner                   ! largest penetration of a corner [L]
-    real(wp) :: off(2)                   ! deviations of the two sides from their geometry [L]
     integer :: c, k, n(2)
     logical :: apart                     ! no point of either side is opposite the other side
     character(:), allocatable :: name
@@ -57,7 +56,6 @@ contains
         call look_at_start(contact, model%mesh%xr, start)
         corner = 0.0_wp
         if (.not. contact%self) corner = corner_overlap(contact, model%mesh%xr, state)
-        off = [(deviation(model%mesh, contact%side(k)), k=1, 2)]
         apart = .false.
         if (start%nnear == 0 .and. .not. contact%self) then
           call look_farther(contact, model%mesh%xr, start)
@@ -91,13 +89,7 @@ contains
                     contact%place, scheme_hint(contact)//'use '//more_points(contact) &
                     //'smaller elements')
         else if (start%ninside > 0) then
-          call warn(name//to_text(start%ninside)//' of '//to_text(start%npoint)//' points ' &
-                    //'penetrate the other side at the start, by up to ' &
-                    //to_text(start%deepest, 3)//' at '//position_text(start%x) &
-                    //corner_text(corner, start%deepest) &
-                    //deviation_text(off, start%deepest), contact%place, &
-                    'the first step pushes them out; if no press fit is intended, move one of ' &
-                    //'the bodies'//deviation_hint(off, start%deepest))
+          call warn_inside(model%mesh, contact, start, corner)
         else if (corner > 0.0_wp) then
           call warn(name//'corners of elements penetrate the other side at the start, by up to ' &
                     //to_text(corner, 3)//', although no integration point does', &
@@ -130,26 +122,29 @@ contains
     end do
   end function deviation
 
-  !> Part of a warning: penetrations contain the deviations of the elements from their geometry.
-  function deviation_text(off, deepest) result(text)
-    real(wp), intent(in) :: off(2), deepest !! [L]
-    character(:), allocatable :: text
+  !> Warn that integration points penetrate at the start. If the elements are a crude approximation
+  !! of curved faces, the penetrations consist largely of the deviations of the elements.
+  subroutine warn_inside(mesh, contact, start, corner)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact
+    type(start_t), intent(in) :: start
+    real(wp), intent(in) :: corner       !! largest penetration of a corner [L]
+    character(:), allocatable :: text, hint
+    real(wp) :: off                      ! deviation of both sides from their geometry [L]
 
-    text = ''
-    if (sum(off) > CRUDE*deepest) text = '; the elements deviate from the exact faces by up to ' &
-                                         //to_text(sum(off), 3)
-  end function deviation_text
-
-  !> Part of a hint that belongs to `deviation_text`.
-  function deviation_hint(off, deepest) result(text)
-    real(wp), intent(in) :: off(2), deepest !! [L]
-    character(:), allocatable :: text
-
-    text = ''
-    if (sum(off) > CRUDE*deepest) text = '; if one is, its pressure may be wrong by the ratio ' &
-                                         //'of this deviation to the interference: use smaller ' &
-                                         //'elements, ENRIch or IGA'
-  end function deviation_hint
+    text = "contact '"//contact%name//"': "//to_text(start%ninside)//' of ' &
+           //to_text(start%npoint)//' points penetrate the other side at the start, by up to ' &
+           //to_text(start%deepest, 3)//' at '//position_text(start%x) &
+           //corner_text(corner, start%deepest)
+    hint = 'the first step pushes them out; if no press fit is intended, move one of the bodies'
+    off = deviation(mesh, contact%side(1)) + deviation(mesh, contact%side(2))
+    if (off > CRUDE*start%deepest) then
+      text = text//'; the elements deviate from the exact faces by up to '//to_text(off, 3)
+      hint = hint//'; if one is, its pressure may be wrong by the ratio of this deviation to the ' &
+             //'interference: use smaller elements, ENRIch or IGA'
+    end if
+    call warn(text, contact%place, hint)
+  end subroutine warn_inside
 
   !> Part of a warning: how deep corners of elements penetrate, if they are deeper than points.
   function corner_text(corner, deepest) result(text)
