@@ -11,6 +11,7 @@
     contact_extremes    contact with extreme parameters
     debonding_extremes  debonding with extreme parameters
     debonding_points    accuracy and cost of the integration points of bonds
+    lumped_mass         errors of lumped masses, by theory
     mutate              mutated decks
     mutate_source       changes of the source, and which of them the tests notice
     deck_errors.run     bad decks and their messages

@@ -55,6 +55,7 @@ AREAS = (
     "src/solution/step*.f90",
     "src/solution/newton.f90",
     "src/solution/line_search.f90",
+    "src/solution/anderson.f90",
     "src/solution/secant_friction.f90",
     "src/solution/friction_limit.f90",
     "src/solution/stabilisation.f90",
