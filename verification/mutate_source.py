@@ -18,10 +18,14 @@ them fails. To save time,
 A test has failed, too, if it takes LATEST times the CPU time that it takes without the change. Mutants
 that do not compile, and those with the same object file, are not counted.
 
-The mutants of a seed are always the same for the same source. OUT/mutants.csv is written as the run
-proceeds, and a run that was interrupted continues from it; --again judges its survivors again. After a
-change of the source, remove OUT. Changed tests are noticed. With --write the table is copied to
-verification/mutants.csv, in which the column `reason` of a survivor is kept.
+A seed ranks all mutants by a hash of the seed, the file and the change, and the first ones are drawn. A
+change of the source therefore only replaces mutants of the statements that change; where lines merely
+move, mutants, outcomes and reasons are kept. The column `ordinal` tells equal changes of a file apart.
+
+OUT/mutants.csv is written as the run proceeds, and a run that was interrupted continues from it; --again
+judges its survivors again. Changed tests are noticed. After a change of the source, remove
+OUT/lines.jsonl, or all of OUT if outcomes of unchanged statements may have changed. With --write the
+table is copied to verification/mutants.csv, in which the column `reason` of a survivor is kept.
 """
 
 from __future__ import annotations
@@ -32,7 +36,6 @@ import csv
 import hashlib
 import json
 import os
-import random
 import re
 import shutil
 import subprocess
@@ -66,7 +69,7 @@ TROUBLE = ("factors", "fields", "hints", "restart")  # tests of `make trouble` a
 LATEST = 10  # ratio of CPU times from which on a test has failed
 UNIT = 10  # unit tests come first, as if they had caught so many mutants
 PATIENCE = 10  # CPU seconds that are always allowed
-COLUMNS = ("file", "line", "change", "before", "after", "outcome", "seconds", "reason")
+COLUMNS = ("file", "line", "change", "before", "after", "ordinal", "outcome", "seconds", "reason")
 SURVIVED = ("survived", "not executed")
 
 #: Changes: name, pattern, replacement. Patterns match at the places that are changed one by one.
@@ -105,10 +108,10 @@ TEXT = re.compile(r"warn|fail\(|log_line|to_text|note\(|hint|'|\"|error\b")
 
 
 def find_mutants(patterns):
-    """All possible mutants, as dictionaries with the first five COLUMNS, and `lines`, a number with a
+    """All possible mutants, as dictionaries with the first six COLUMNS, and `lines`, a number with a
     bit for each line of the statement.
     """
-    found = []
+    found, equal = [], Counter()
     for path in sorted({p for pattern in patterns for p in TOP.glob(pattern)}):
         continued = skipped = False
         first = 0
@@ -137,7 +140,10 @@ def find_mutants(patterns):
             lines = (1 << last + 1) - (1 << first)
             for name, after in changed:
                 cells = (str(path.relative_to(TOP)), str(number), name, code.strip(), after.strip())
-                found.append(dict(zip(COLUMNS[:5], cells, strict=True)) | {"lines": lines})
+                mutant = dict(zip(COLUMNS[:5], cells, strict=True))
+                same = (mutant["file"], mutant["before"], mutant["after"])
+                equal[same] += 1
+                found.append(mutant | {"ordinal": str(equal[same]), "lines": lines})
     return found
 
 
@@ -418,12 +424,13 @@ def main(argv=None):
     tests = all_tests()
     records = measure_all(tests, o)
     table = o.out / "mutants.csv"
+    chosen = {identity(m): m for m in choose(find_mutants(o.only), 2 * o.n, o.seed)}
     rows = list(csv.DictReader(table.open())) if table.exists() else []
+    rows = [r | chosen[identity(r)] for r in rows if identity(r) in chosen]
     if o.again:
         rows = [r for r in rows if r["outcome"] not in SURVIVED]
     known = {identity(r) for r in rows}
-    chosen = choose(find_mutants(o.only), 2 * o.n, o.seed)
-    waiting = [m for m in chosen if identity(m) not in known]
+    waiting = [m for name, m in chosen.items() if name not in known]
     caught = Counter((r["file"], r["outcome"]) for r in rows)  # mutants by file and test
     lock = threading.Lock()
 
@@ -462,12 +469,17 @@ def main(argv=None):
 
 
 def identity(row):
-    return row["file"], row["before"], row["after"], row["line"]
+    """What stays the same if other statements change and lines move."""
+    return row["file"], row["before"], row["after"], row["ordinal"]
 
 
 def choose(mutants, n, seed):
-    """n mutants in random order; each file is drawn in proportion to the number of its mutants."""
-    return random.Random(seed).sample(mutants, min(n, len(mutants)))
+    """The n mutants of lowest rank; each file is drawn in proportion to the number of its mutants."""
+
+    def rank(mutant):
+        return hashlib.sha256(repr((seed, *identity(mutant))).encode()).digest()
+
+    return sorted(mutants, key=rank)[:n]
 
 
 def write(path, rows):
