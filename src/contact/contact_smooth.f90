@@ -23,7 +23,7 @@
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
-  use contact_type, only: OPEN, STICK, SLIP, TOUCH
+  use contact_type, only: OPEN, SLIP
   use contact_work, only: element_functions, own_share
   use surface_basis, only: surface_functions_at, make_rational
   implicit none
@@ -249,9 +249,7 @@ contains
     value(1:3) = points%traction(:, i)
     value(4) = points%pressure(i)
     value(5:7) = points%elastic(:, i)
-    value(8) = 0.0_wp
-    if (any(points%state(i) == [STICK, TOUCH])) value(8) = 1.0_wp
-    if (points%state(i) == SLIP) value(8) = 2.0_wp
+    value(8) = merge(2.0_wp, 1.0_wp, points%state(i) == SLIP)
     value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
   end function closed_values
 
