@@ -263,7 +263,7 @@ class Tree:
             objects = [BUILD / f"unit/{p.stem}.o" for p in unit_tests()]
             objects += [BUILD / "unit/driver.o", *(BUILD / "unit").glob("funit*.o")]
         objects += (self.place / "objects").glob("*.o")  # before the same objects of the library
-        command = [*self.compiler, "-s", "-o", name, *objects, BUILD / "libbezel.a"]
+        command = [*self.compiler, "-fopenmp", "-s", "-o", name, *objects, BUILD / "libbezel.a"]
         if self.call([*command, *self.libraries]) != 0:
             sys.exit(f"the program cannot be linked: {self.place}/log")
         self.linked.add(name)
@@ -290,10 +290,12 @@ exit $code
 
 
 class Counted(Tree):
-    """The program with counters of the lines of all files of AREAS."""
+    """The program with counters of the lines of all files of AREAS. These files are compiled without
+    OpenMP, because gcov leaves out the functions that the compiler makes of parallel regions.
+    """
 
     def __init__(self, place, first=None):
-        super().__init__(place, ["-O0", "-g", "--coverage", "-Wno-uninitialized"])
+        super().__init__(place, ["-O0", "-g", "--coverage", "-fno-openmp", "-Wno-uninitialized"])
         if first is None:
             for path in {p for pattern in AREAS for p in TOP.glob(pattern)}:
                 self.compile(path, path.read_text())
