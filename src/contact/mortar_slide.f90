@@ -17,7 +17,7 @@ module mortar_slide
   use surface_geometry, only: surface_point
   implicit none
   private
-  public :: find_slides
+  public :: find_slides, last_friction
 
 contains
 
@@ -106,47 +106,60 @@ contains
                            dshp(:, :n))
   end subroutine find_slide_functions
 
-  !> Friction of the previous step at xi in element e: a mean over the points of the element, with
-  !! weights inversely proportional to the fourth power of the distance (Shepard 1968). A point that
-  !! has not moved keeps its values. The values change continuously with the cells, so that they do
+  !> Friction of the previous step at xi in element e, from the points of the element. A point that
+  !! has not moved keeps its values, and values change continuously with the cells, so that they do
   !! not depend on rounding errors. All values are zero if the element had no points.
   pure subroutine last_friction(rubbed, e, xi, elastic, slip_rate, limit)
     type(friction_points_t), intent(in) :: rubbed
     integer, intent(in) :: e
     real(wp), intent(in) :: xi(2)
     real(wp), intent(out) :: elastic(3)       !! [L]
-    real(wp), intent(out) :: slip_rate        !! [L/T]
+    real(wp), intent(out) :: slip_rate        !! 0: most points near xi stuck [L/T]
     real(wp), intent(out) :: limit            !! [F/L^2]
-    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
-    integer, parameter :: BLOCK = 64
-    real(wp) :: w(BLOCK), total
-    integer :: before, first, i, j, last, m
+    integer :: first, last
 
-    first = first_of(rubbed%elem, e)
-    last = first_of(rubbed%elem, e + 1) - 1
     elastic = 0.0_wp
     slip_rate = 0.0_wp
     limit = 0.0_wp
-    total = 0.0_wp
-    do before = first - 1, last - 1, BLOCK ! SIMD instructions compute the weights of a block
-      m = min(BLOCK, last - before)
-      do j = 1, m
-        i = before + j
-        w(j) = 1.0_wp/((rubbed%xi(1, i) - xi(1))**2 + (rubbed%xi(2, i) - xi(2))**2 + SAME)**2
-      end do
-      do j = 1, m
-        i = before + j
-        total = total + w(j)
-        elastic = elastic + w(j)*rubbed%elastic(:, i)
-        slip_rate = slip_rate + w(j)*rubbed%slip_rate(i)
-        limit = limit + w(j)*rubbed%limit(i)
-      end do
-    end do
-    if (.not. total > 0.0_wp) return
-    elastic = elastic/total
-    slip_rate = slip_rate/total
-    limit = limit/total
+    first = first_of(rubbed%elem, e)
+    last = first_of(rubbed%elem, e + 1) - 1
+    if (last < first) return
+    associate (w => interpolation_weights(rubbed%xi(:, first:last), xi), &
+               rate => rubbed%slip_rate(first:last))
+      elastic = matmul(rubbed%elastic(:, first:last), w)
+      limit = max(0.0_wp, dot_product(rubbed%limit(first:last), w))
+      if (sum(w, mask=rate > 0.0_wp) > 0.5_wp) slip_rate = max(0.0_wp, dot_product(rate, w))
+    end associate
   end subroutine last_friction
+
+  !> Weights with which values at points are added to obtain the value at xi of the linear function
+  !! that fits them best, where the errors count with the inverse fourth power of the distance from
+  !! xi (moving least squares, Lancaster and Salkauskas 1981). Linear functions are exact. Beyond
+  !! the points, the linear function is mixed with the mean, such that the magnitudes of the weights
+  !! have a sum of at most 2.
+  pure function interpolation_weights(points, xi) result(w)
+    real(wp), intent(in) :: points(:, :)      !! (2, n) parameters
+    real(wp), intent(in) :: xi(2)
+    real(wp) :: w(size(points, 2))
+    real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
+    real(wp), parameter :: ON_LINE = 1.0e-6_wp ! ratio of moments of points that lie on a line
+    real(wp) :: d(size(points, 2), 2), slope(size(points, 2)), mean(2), xx, yy, xy, det
+
+    d(:, 1) = points(1, :) - xi(1)
+    d(:, 2) = points(2, :) - xi(2)
+    w = 1.0_wp/(d(:, 1)**2 + d(:, 2)**2 + SAME)**2
+    w = w/sum(w)
+    mean = matmul(w, d)
+    d(:, 1) = d(:, 1) - mean(1)
+    d(:, 2) = d(:, 2) - mean(2)
+    xx = sum(w*d(:, 1)**2)
+    yy = sum(w*d(:, 2)**2)
+    xy = sum(w*d(:, 1)*d(:, 2))
+    det = xx*yy - xy**2
+    if (.not. det > ON_LINE*(xx + yy)**2) return
+    slope = -w*(d(:, 1)*(yy*mean(1) - xy*mean(2)) + d(:, 2)*(xx*mean(2) - xy*mean(1)))/det
+    w = w + slope/max(1.0_wp, sum(abs(slope)))
+  end function interpolation_weights
 
   !> Index of the first entry of a sorted list that is at least e; if there is none, one more than
   !! its size.
