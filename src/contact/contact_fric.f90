@@ -11,6 +11,10 @@ module contact_fric
   private
   public :: describe, coulomb
 
+  !> A slip that is smaller than this, relative to the elastic part, is a rounding error. Where
+  !! nothing moves, a point that slipped before is exactly at its limit, and sticks.
+  real(wp), parameter, public :: NO_SLIP = 1.0e-9_wp
+
 contains
 
   !> Row of the table of contact laws.
@@ -51,7 +55,7 @@ contains
       elastic = 0.0_wp
       return
     end if
-    if (eps*size <= most .and. .not. (ahead >= 0.0_wp .and. size > 0.0_wp)) then
+    if (eps*size <= (1.0_wp + NO_SLIP)*most .and. .not. (ahead >= 0.0_wp .and. size > 0.0_wp)) then
       state = STICK
       t = -eps*d
       elastic = d

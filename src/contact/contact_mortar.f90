@@ -54,6 +54,9 @@ module contact_mortar
   !> The same fraction for cells that have been cut as often as possible: they may alternate between
   !! two states, but must not belong to positions that differ visibly.
   real(wp), parameter :: MATTERS = 4.0e-3_wp
+  !> A step with friction in which no node moves farther than this fraction of the size of the
+  !! smallest element keeps the cells of the previous step.
+  real(wp), parameter :: RESTS = 1.0e-5_wp
   !> Largest number of times that cells are cut again after the iteration has settled. The count
   !! starts anew in each step, and whenever a later increment is large again.
   integer, parameter :: MOST_CUTS = 8
@@ -99,7 +102,7 @@ contains
       end do
     end if
     call add_travel(mortar, contact, x)
-    call recut(mortar, contact, x, step, trial, shape, grid)
+    call recut(mortar, contact, x, x_start, state%last_cut, step, trial, shape, grid)
     if (.not. trial) then
       mortar%x_iterate = x
       mortar%iterate = mortar%iterate + 1
@@ -267,32 +270,30 @@ contains
   end subroutine project_again
 
   !> Cut the cells at the beginning of a step, and again if a surface has moved far enough since.
-  subroutine recut(mortar, contact, x, step, trial, shape, grid)
+  subroutine recut(mortar, contact, x, x_start, last_cut, step, trial, shape, grid)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)
+    real(wp), intent(in) :: x_start(:, :)     !! (3, nnode) x at the start of the step [L]
+    real(wp), allocatable, intent(in) :: last_cut(:) !! see contact_state_t
     integer, intent(in) :: step
     !> A trial of a line search is compared with other forces on the same cells. Cells are then cut
     !! only after a motion beyond MOVED_FAR.
     logical, intent(in) :: trial
     type(shape_t), intent(in) :: shape(2)
     type(grid_t), intent(in) :: grid(2)
-    type(facets_t) :: facets(2)
     real(wp) :: far, increment ! motion since the last cut, and since the last iterate [L]
-    integer :: k
     logical :: new, may_cut
 
     new = mortar%step /= step .or. .not. allocated(mortar%x_cut)
     if (.not. trial) mortar%follows = .false.
+    if (.not. new .and. mortar%keeps) then
+      if (is_at_rest(contact, x, x_start)) return
+      mortar%keeps = .false.
+    end if
     if (.not. new) then
-      far = 0.0_wp
-      increment = 0.0_wp
-      do k = 1, 2
-        associate (node => contact%side(k)%node)
-          far = max(far, largest_motion(node, x, mortar%x_cut))
-          increment = max(increment, largest_motion(node, x, mortar%x_iterate))
-        end associate
-      end do
+      far = motion_of_sides(contact, x, mortar%x_cut)
+      increment = motion_of_sides(contact, x, mortar%x_iterate)
       if (.not. far > MOVED_FAR*mortar%least) then
         if (trial) return
         if (increment > SETTLES*mortar%least) then
@@ -316,8 +317,50 @@ contains
     end if
     mortar%stale = .false.
     mortar%x_cut = x
+    if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) then ! a position is not finite
+      mortar%travel = 0.0_wp
+      return
+    end if
+    mortar%keeps = new .and. allocated(last_cut) .and. is_at_rest(contact, x, x_start)
+    if (mortar%keeps) then
+      call cut_again(mortar, contact, last_cut)
+      mortar%keeps = .not. motion_of_sides(contact, x, mortar%x_cut) > MATTERS*mortar%least
+      if (mortar%keeps) return
+      mortar%x_cut = x
+    end if
+    call cut_both(mortar, contact, shape)
+  end subroutine recut
+
+  !> Cut the cells where those of the previous step were cut. At the start of a step, the state is
+  !! then that of the end of the previous step, although that state may belong to cells of slightly
+  !! different positions. A step in which nothing changes needs no iterations and changes nothing.
+  subroutine cut_again(mortar, contact, last_cut)
+    type(mortar_t), intent(inout) :: mortar
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: last_cut(:)       !! see contact_state_t
+    type(shape_t) :: shape(2)
+    integer :: k, n
+
+    n = 0
+    do k = 1, 2
+      associate (node => contact%side(k)%node)
+        mortar%x_cut(:, node) = reshape(last_cut(n + 1:n + 3*size(node)), [3, size(node)])
+        n = n + 3*size(node)
+      end associate
+      call update_shape(contact%side(k), mortar%x_cut, shape(k))
+    end do
+    call cut_both(mortar, contact, shape)
+  end subroutine cut_again
+
+  !> Cut the cells of both sides.
+  subroutine cut_both(mortar, contact, shape)
+    type(mortar_t), intent(inout) :: mortar
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape(2)
+    type(facets_t) :: facets(2)
+    integer :: k
+
     mortar%travel = 0.0_wp                   ! motion is counted from this cut
-    if (any(grid(1)%n == 0) .and. any(grid(2)%n == 0)) return ! a position is not finite
     do k = 1, merge(1, 2, contact%self)
       call divide_surface(contact%side(k), shape(k), facets(k))
     end do
@@ -325,13 +368,34 @@ contains
     mortar%least = min(facets(1)%least, facets(2)%least)
     do k = 1, 2
       if (.not. is_integrated(contact, k)) cycle
-      associate (side => mortar%side(k), cells => mortar%side(k)%cells)
-        call cut_cells(contact, k, shape, mortar%reference(k), facets, &
-                       max(facets(1)%least, facets(2)%least), cells)
-        call new_points(contact, k, side)
-      end associate
+      call cut_cells(contact, k, shape, mortar%reference(k), facets, &
+                     max(facets(1)%least, facets(2)%least), mortar%side(k)%cells)
+      call new_points(contact, k, mortar%side(k))
     end do
-  end subroutine recut
+  end subroutine cut_both
+
+  !> Have both sides hardly moved since they were at x_before?
+  pure logical function is_at_rest(contact, x, x_before)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :), x_before(:, :) !! (3, nnode) [L]
+    real(wp) :: width
+    integer :: k
+
+    width = huge(width)
+    do k = 1, 2
+      if (allocated(contact%side(k)%width)) width = min(width, minval(contact%side(k)%width))
+    end do
+    is_at_rest = motion_of_sides(contact, x, x_before) <= RESTS*width
+  end function is_at_rest
+
+  !> The largest distance that a node of either side has moved.
+  pure real(wp) function motion_of_sides(contact, x, x_before) result(far)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :), x_before(:, :) !! (3, nnode) [L]
+
+    far = max(largest_motion(contact%side(1)%node, x, x_before), &
+              largest_motion(contact%side(2)%node, x, x_before))
+  end function motion_of_sides
 
   !> Allocate and initialise the work space of the points of new cells.
   subroutine new_points(contact, k, side)

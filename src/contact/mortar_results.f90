@@ -4,6 +4,7 @@ module mortar_results
   use contact_cells, only: cells_t
   use contact_corners, only: deepest_corner, CORNER_XI
   use contact_energy, only: slip_work
+  use contact_fric, only: NO_SLIP
   use contact_pair, only: contact_t, contact_points_t, contact_state_t, friction_points_t, &
                           is_integrated, surface_t
   use contact_point, only: traction_derivatives_t, vary_normal
@@ -35,7 +36,7 @@ contains
   !! the results at the integration points for fields, curves and reports. Tractions refer to the
   !! current area.
   subroutine accept_mortar(mortar, contact, k, shape, grid, state)
-    type(mortar_t), intent(in) :: mortar
+    type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
     type(shape_t), intent(in) :: shape(2)
@@ -44,17 +45,26 @@ contains
     type(foot_t) :: foot
     type(traction_derivatives_t) :: dn
     real(wp) :: at(3), a(3, 2), b(3, 3), n(3), p, reference, stretch
-    integer :: e, i, j, q
+    integer :: e, i, j, l, q
 
+    if (mortar%slides .and. contact%friction%prop(MU) > 0.0_wp) then
+      state%last_cut = [mortar%x_cut(:, contact%side(1)%node), &
+                        mortar%x_cut(:, contact%side(2)%node)]
+    end if
+    call find_sticking(mortar%side(k))
     call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), &
                        state%limit_force(k), state%dissipated)
     call measure_cells(mortar, contact, k, shape(k), state)
     if (contact%self) then
       p = deepest_own_corner(mortar, contact, shape(k))
-    else
-      p = deepest_corner(contact, k, shape, grid(3 - k), state%side(k))
+      state%penetration(k) = max(state%penetration(k), p)
+    else ! where a corner of one side is deep, so is the other side
+      do l = 1, 2
+        if (.not. is_integrated(contact, l)) cycle
+        p = deepest_corner(contact, l, shape, grid(3 - l), state%side(l))
+        state%penetration(k) = max(state%penetration(k), p)
+      end do
     end if
-    state%penetration(k) = max(state%penetration(k), p)
     state%pressed(k) = pressed_energy(contact, k, mortar%side(k), state%control(k))
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
@@ -101,6 +111,21 @@ contains
       end do
     end associate
   end subroutine accept_mortar
+
+  !> Points that were expected to slip, since they slipped in the previous step, but did not move,
+  !! stick.
+  pure subroutine find_sticking(side)
+    type(mortar_side_t), intent(inout) :: side
+    real(wp) :: elastic
+    integer :: i
+
+    do i = 1, side%cells%n
+      elastic = norm2(side%elastic(:, i))
+      if (side%state(i) == SLIP .and. elastic > 0.0_wp .and. side%slip(i) <= NO_SLIP*elastic) then
+        side%state(i) = STICK
+      end if
+    end do
+  end subroutine find_sticking
 
   !> Spread tractions, elastic slip and state of the points of all cells to the nodes of both
   !! elements that a point loads: its own one and, with the opposite traction, the one that it

@@ -75,12 +75,13 @@ module mortar_type
     real(wp) :: increment = 0.0_wp            !! smallest motion before one of these cuts [L]
     logical :: stale = .false.                !! surfaces have moved since the last cut, and the
     !! cells will be cut again
+    logical :: keeps = .false.                !! the step keeps the cells of the previous step
     logical :: patient = .true.               !! a slow iteration may cut cells MOST_SLOW_CUTS times
     logical :: follows = .false.              !! with friction, the cells were cut at the last
     !! iterate because the iteration has settled
     integer :: iterate = 0                    !! evaluations since the step began, without trials
     real(wp) :: least = 0.0_wp                !! size of the smallest facet [L]
-    real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions when the cells were cut
+    real(wp), allocatable :: x_cut(:, :)      !! (3, nnode) positions at which cells were cut [L]
     real(wp) :: travel = 0.0_wp               !! bound on the motion since the last cut [L]
     real(wp), allocatable :: x_last(:, :)     !! (3, nnode) positions at the last projection [L]
     real(wp), allocatable :: x_iterate(:, :)  !! (3, nnode) last iterate, without trials [L]

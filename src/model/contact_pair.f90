@@ -211,6 +211,10 @@ module contact_pair
     type(contact_points_t) :: side(2)
     type(control_points_t) :: control(2)
     type(friction_points_t) :: rubbed(2)
+    !> MORTAR with friction: positions at which the cells of the previous step were cut, three
+    !! values for each node of each element of side 1, and then of side 2 [L]. Not allocated before
+    !! friction has acted in a step.
+    real(wp), allocatable :: last_cut(:)
     !> At the end of the previous step: energy of the pressure and elastic energy of friction at the
     !! points of each side, and the work of all slip so far [F L].
     real(wp) :: pressed(2) = 0.0_wp, sheared(2) = 0.0_wp, dissipated = 0.0_wp
@@ -220,8 +224,8 @@ module contact_pair
     real(wp) :: force(3, 2) = 0.0_wp, moment(3, 2) = 0.0_wp
     real(wp) :: force_step(3, 2) = 0.0_wp, moment_step(3, 2) = 0.0_wp !! at the start of the step
     !> MORTAR: for each side that is integrated, the current area in contact and the parts of it
-    !! that stick and slip [L^2]. Largest penetration of the corners of each side and, with MORTAR,
-    !! of its points [L].
+    !! that stick and slip [L^2]. Largest penetration of the corners of each side; with MORTAR that
+    !! of its points and of the corners of both sides [L].
     real(wp) :: area(2) = 0.0_wp, sticks(2) = 0.0_wp, slips(2) = 0.0_wp, penetration(2) = 0.0_wp
     logical :: depth_warned = .false.        !! warning about points deeper than `depth` issued
     !> Largest value over all steps of |F1 + F2|, where F1 and F2 are the forces on the two sides,

@@ -67,6 +67,7 @@ contains
       call exchange_control(archive, group//numbered('/control', k), contact%control(k), error)
       call exchange_rubbed(archive, group//numbered('/friction', k), contact%rubbed(k), error)
     end do
+    call exchange_list(archive, group//'/last_cut', contact%last_cut, error)
     call exchange(archive, group//'/balance', contact%balance, error)
     call exchange(archive, group//'/deepest', contact%deepest, error)
     call exchange(archive, group//'/largest_force', contact%largest_force, error)
