@@ -32,6 +32,12 @@ module convergence
   !> The residual does not matter if the energy of the increment is at most this many times that of
   !! rounding errors, as where a tool pushes a free body and the force of contact vanishes.
   real(wp), parameter :: NEGLIGIBLE = 100.0_wp
+  !> An iteration whose energy is within the rounding floor ends when its residual is small,
+  !! relative to the largest nodal force or to the floor of forces, or when it has not decreased by
+  !! IMPROVES in so many iterations. Under loads that are tiny compared with the stiffness, the
+  !! energy alone would end it far too early.
+  real(wp), parameter :: SMALL = 1.0e-6_wp, CERTAIN = 1.0_wp/16.0_wp, IMPROVES = 0.5_wp
+  integer, parameter :: MOST_STALLS = 4
   !> Largest residual after the last increment, relative to the largest nodal force. A larger one
   !! means that contact has changed in this increment.
   real(wp), parameter :: LOST = 1.0e-3_wp
@@ -92,6 +98,17 @@ contains
                                               *sqrt(newton%tolerance)*pass%sweep%largest)
     end if
     newton%converged = newton%converged .and. .not. has_stale_cells(newton%asm%contact)
+    newton%at_floor = newton%converged .and. &
+                      pass%energy > newton%tolerance*newton%largest_energy
+    if (moved) return
+    if (newton%at_floor .and. pass%residual > IMPROVES*newton%least_residual) then
+      newton%stalls = newton%stalls + 1
+    end if
+    newton%least_residual = min(newton%least_residual, pass%residual)
+    if (newton%at_floor) then
+      newton%converged = newton%stalls >= MOST_STALLS .or. &
+                         pass%residual <= max(SMALL*pass%sweep%largest, CERTAIN*pass%floor%force)
+    end if
   end subroutine check_convergence
 
   !> Have the forces of contact changed so much in the last increment, which passed the test, that

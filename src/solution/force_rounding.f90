@@ -54,7 +54,9 @@ contains
                        maxval(abs(asm%f_contact), abs(asm%f_contact) > CERTAIN*doubt))
       if (.not. step%newton%converged) return
       largest = maxval(error)
-      if (pass%residual <= pass%floor%force) largest = max(largest, pass%residual)
+      if (pass%residual <= pass%floor%force .or. step%newton%at_floor) then
+        largest = max(largest, pass%residual)
+      end if
       if (largest <= total%rounding) return
       total%rounding = largest
       total%rounding_step = state%step
@@ -100,8 +102,9 @@ contains
       call warn('rounding errors of the internal forces reach ' &
                 //to_text(100.0_wp*total%rounding/total%load, 2) &
                 //' % of the largest load or reaction (in step '//to_text(total%rounding_step) &
-                //'), because a part is very stiff or moves far in comparison with its strain: ' &
-                //'reactions and the stresses of this part may be wrong by as much', &
+                //'), because a part is very stiff or moves far in comparison with its strain, ' &
+                //'or because loads are tiny compared with the stiffness: forces, and the ' &
+                //'stresses of this part, may be wrong by as much', &
                 hint='give stiff parts a smaller modulus, such as 1e6 times that of their ' &
                 //'neighbours, or replace them by rigid surfaces (TYPE RIGId) or by FIX and MOVE')
     end associate

@@ -67,6 +67,8 @@ contains
     newton%exact = .true.
     newton%may_retreat = .false.
     newton%largest_energy = 0.0_wp
+    newton%least_residual = huge(1.0_wp)
+    newton%stalls = 0
     newton%first_energy = 0.0_wp
     newton%before_solve = 0.0_wp
     newton%expected = 0.0_wp
