@@ -34,9 +34,9 @@ module convergence
   real(wp), parameter :: NEGLIGIBLE = 100.0_wp
   !> An iteration whose energy is within the rounding floor ends when its residual is small,
   !! relative to the largest nodal force or to the floor of forces, or when it has not decreased by
-  !! IMPROVES in so many iterations. Under loads that are tiny compared with the stiffness, the
+  !! IMPROVES in MOST_STALLS iterations. Under loads that are tiny compared with the stiffness, the
   !! energy alone would end it far too early.
-  real(wp), parameter :: SMALL = 1.0e-6_wp, CERTAIN = 1.0_wp/16.0_wp, IMPROVES = 0.5_wp
+  real(wp), parameter :: SMALL = 1.0e-6_wp, REACHED = 1.0_wp/16.0_wp, IMPROVES = 0.5_wp
   integer, parameter :: MOST_STALLS = 4
   !> Largest residual after the last increment, relative to the largest nodal force. A larger one
   !! means that contact has changed in this increment.
@@ -107,7 +107,7 @@ contains
     newton%least_residual = min(newton%least_residual, pass%residual)
     if (newton%at_floor) then
       newton%converged = newton%stalls >= MOST_STALLS .or. &
-                         pass%residual <= max(SMALL*pass%sweep%largest, CERTAIN*pass%floor%force)
+                         pass%residual <= max(SMALL*pass%sweep%largest, REACHED*pass%floor%force)
     end if
   end subroutine check_convergence
 

@@ -3,8 +3,9 @@
 !! Displacements are known with a relative error of epsilon. The internal force of a node is
 !! therefore known with an error of epsilon times the stiffness that couples the node with its
 !! neighbours, times their displacements. If a part is very stiff or moves far in comparison with
-!! its strain, this error can be as large as the loads. The convergence test cannot reject such a
-!! state, because no other state is better.
+!! its strain, this error can be as large as the loads. The same holds for contact under loads that
+!! are tiny compared with the stiffness, because gaps are differences of positions. The convergence
+!! test accepts such a state once the residual no longer decreases.
 !!
 !! Errors and loads are compared at the end of a run, and each of them is the largest one of the
 !! run: a step in which loads vanish, or in which surfaces only begin to touch, consists of rounding

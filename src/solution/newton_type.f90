@@ -31,7 +31,7 @@ module newton_type
     real(wp) :: largest_energy = 0.0_wp !! largest energy of an increment of this step [F L]
     real(wp) :: least_residual = huge(1.0_wp) !! smallest residual of this step so far [F]
     integer :: stalls = 0              !! iterations of this step at the floor without improvement
-    logical :: at_floor = .false.      !! the last iteration converged up to rounding errors only
+    logical :: at_floor = .false.      !! the last energy passed only because of the rounding floor
     real(wp) :: first_energy = 0.0_wp  !! energy of the first increment of this step [F L]; 0: the
     !! step began with prescribed motion or a prediction, or follows a constraint
     real(wp) :: forcing = 0.0_wp       !! relative residual of the last solve
