@@ -17,7 +17,7 @@ module contact_assembly
   use csr, only: block_matrix_t, clique_t
   use model, only: model_t, state_t
   use mortar_control, only: mortar_clique
-  use mortar_results, only: accept_mortar, spread_cells
+  use mortar_results, only: accept_mortar, measure_corners, spread_cells
   use mortar_type, only: mortar_t, new_mortar
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
@@ -452,6 +452,8 @@ contains
                                                            work(c)%grid(3 - k), point(k))
         end do
         if (contact%scheme == MORTAR) then
+          call measure_corners(work(c)%mortar, contact, work(c)%shape, work(c)%grid, &
+                               state%contact(c))
           call spread_cells(work(c)%mortar, contact, work(c)%shape, state%contact(c))
         end if
       end associate

@@ -22,7 +22,7 @@ module mortar_results
   use tensor, only: cross
   implicit none
   private
-  public :: accept_mortar, spread_cells
+  public :: accept_mortar, measure_corners, spread_cells
 
   !> Nodes of one side to which values are spread.
   type :: target_t
@@ -45,7 +45,7 @@ contains
     type(foot_t) :: foot
     type(traction_derivatives_t) :: dn
     real(wp) :: at(3), a(3, 2), b(3, 3), n(3), p, reference, stretch
-    integer :: e, i, j, l, q
+    integer :: e, i, j, q
 
     if (mortar%slides .and. contact%friction%prop(MU) > 0.0_wp) then
       state%last_cut = [mortar%x_cut(:, contact%side(1)%node), &
@@ -55,16 +55,6 @@ contains
     call keep_friction(mortar%side(k), contact, state%side(k)%dt, state%rubbed(k), &
                        state%limit_force(k), state%dissipated)
     call measure_cells(mortar, contact, k, shape(k), state)
-    if (contact%self) then
-      p = deepest_own_corner(mortar, contact, shape(k))
-      state%penetration(k) = max(state%penetration(k), p)
-    else ! where a corner of one side is deep, so is the other side
-      do l = 1, 2
-        if (.not. is_integrated(contact, l)) cycle
-        p = deepest_corner(contact, l, shape, grid(3 - l), state%side(l))
-        state%penetration(k) = max(state%penetration(k), p)
-      end do
-    end if
     state%pressed(k) = pressed_energy(contact, k, mortar%side(k), state%control(k))
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
@@ -111,6 +101,32 @@ contains
       end do
     end associate
   end subroutine accept_mortar
+
+  !> Include the corners of elements in the penetration of a step. Where a corner of one side is
+  !! deep, so is the other side, so both sides get the largest depth. accept_mortar must have been
+  !! called for both sides.
+  subroutine measure_corners(mortar, contact, shape, grid, state)
+    type(mortar_t), intent(in) :: mortar
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape(2)
+    type(grid_t), intent(in) :: grid(2)
+    type(contact_state_t), intent(inout) :: state
+    real(wp) :: deepest
+    integer :: k
+
+    deepest = 0.0_wp
+    do k = 1, 2
+      if (.not. is_integrated(contact, k)) cycle
+      if (contact%self) then
+        deepest = max(deepest, deepest_own_corner(mortar, contact, shape(k)))
+      else
+        deepest = max(deepest, deepest_corner(contact, k, shape, grid(3 - k), state%side(k)))
+      end if
+    end do
+    do k = 1, 2
+      if (is_integrated(contact, k)) state%penetration(k) = max(state%penetration(k), deepest)
+    end do
+  end subroutine measure_corners
 
   !> Points that were expected to slip, since they slipped in the previous step, but did not move,
   !! stick.

@@ -106,8 +106,10 @@ contains
                 //'), because a part is very stiff or moves far in comparison with its strain, ' &
                 //'or because loads are tiny compared with the stiffness: forces, and the ' &
                 //'stresses of this part, may be wrong by as much', &
-                hint='give stiff parts a smaller modulus, such as 1e6 times that of their ' &
-                //'neighbours, or replace them by rigid surfaces (TYPE RIGId) or by FIX and MOVE')
+                hint='give a stiff part a smaller modulus, such as 1e6 times that of its ' &
+                //'neighbours, or replace it by a rigid surface (TYPE RIGId) or by FIX and MOVE; ' &
+                //'if the loads are tiny, increase them, since small strains are proportional to ' &
+                //'them')
     end associate
   end subroutine warn_rounding
 
