@@ -12,7 +12,7 @@ module input_overlap
   use base_text, only: position_text, to_text
   use contact_pair, only: contact_t
   use element_type, only: cell_t
-  use input_resolve, only: locate_point
+  use input_locate, only: locate_point
   use input_skin, only: skin_t, make_skin, face_width, body_name
   use mesh, only: mesh_t, block_cell, is_rigid
   use projection, only: project

@@ -7,25 +7,16 @@ module input_resolve
   use base_text, only: quoted, to_text
   use boundary, only: pressure_t
   use curve_type, only: Q_FORCE, Q_TORQUE, Q_STRESS, Q_MAX_DISP
-  use element_type, only: cell_t
   use input_draft, only: draft_t
+  use input_locate, only: locate_point
   use input_rigid, only: is_rigid_patch, warn_part_of_rigid
   use input_where, only: find_faces, find_nodes, body_index
-  use mesh, only: mesh_t, block_t, block_cell, is_rigid
+  use mesh, only: mesh_t, is_rigid
   use model, only: model_t
-  use tensor, only: det3
   use word_contact, only: contact_named
   implicit none
   private
-  public :: resolve_supports, resolve_loads, resolve_curves, locate_point
-
-  integer, parameter :: MAX_ITER = 50
-  real(wp), parameter :: OUTSIDE = 1.0e-6_wp    !! a point this far outside an element, in parent
-  !! coordinates, still counts as inside
-  real(wp), parameter :: WIDER = 0.5_wp !! margin of the box around an element's nodes relative to
-  !! its size, because a curved element may extend beyond its nodes
-  real(wp), parameter :: SINGULAR = 1.0e-10_wp  !! a map is singular below this determinant,
-  !! relative to the product of the lengths of its columns
+  public :: resolve_supports, resolve_loads, resolve_curves
 
 contains
 
@@ -160,83 +151,5 @@ contains
       end do
     end do
   end subroutine resolve_curves
-
-  !> Find the first element that contains a reference point. `block` is 0 if there is none.
-  subroutine locate_point(mesh, body, x, block, elem, xi)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body     !! index of a body; 0: the whole mesh without rigid bodies
-    real(wp), intent(in) :: x(3)    !! [L]
-    integer, intent(out) :: block, elem
-    real(wp), intent(out) :: xi(3)  !! parent coordinates
-    real(wp), allocatable :: xe(:, :)
-    real(wp) :: low(3), high(3), margin
-    logical :: inside
-    integer :: b, e
-
-    do b = 1, size(mesh%block)
-      if (body > 0 .and. mesh%block(b)%body /= body) cycle
-      if (body == 0 .and. is_rigid(mesh%block(b))) cycle
-      do e = 1, mesh%block(b)%nelem
-        xe = mesh%xr(:, mesh%block(b)%conn(:, e))
-        low = minval(xe, 2)
-        high = maxval(xe, 2)
-        margin = WIDER*maxval(high - low) + rounding_of(x)
-        if (any(x < low - margin) .or. any(x > high + margin)) cycle
-        call invert_map(mesh%block(b), e, xe, x, xi, inside)
-        if (.not. inside) cycle
-        block = b
-        elem = e
-        return
-      end do
-    end do
-    block = 0
-    elem = 0
-    xi = 0.0_wp
-  end subroutine locate_point
-
-  !> Rounding error of the difference between a point and a nearby node.
-  pure real(wp) function rounding_of(x)
-    real(wp), intent(in) :: x(3)    !! [L]
-
-    rounding_of = 4.0_wp*epsilon(1.0_wp)*maxval(abs(x))
-  end function rounding_of
-
-  !> Solve x(xi) = x by Newton's method from the middle of the element; each step uses Cramer's
-  !! rule. Positions are taken relative to the first node, so that the error does not grow with the
-  !! distance of the element from the origin.
-  subroutine invert_map(block, e, xe, x, xi, inside)
-    type(block_t), intent(in) :: block
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xe(:, :), x(3) !! (3, nen) nodes, point [L]
-    real(wp), intent(out) :: xi(3)
-    logical, intent(out) :: inside
-    type(cell_t) :: cell
-    real(wp) :: shp(block%nen), dshp(3, block%nen), jac(3, 3), column(3, 3), r(3), step(3), det
-    real(wp) :: node(3, block%nen), size_of
-    integer :: it, i
-
-    call block_cell(block, e, cell)
-    node = xe - spread(xe(:, 1), 2, block%nen)
-    xi = 0.0_wp
-    inside = .false.
-    do it = 1, MAX_ITER
-      call block%row%functions(cell, xi, shp, dshp)
-      jac = matmul(node, transpose(dshp))
-      det = det3(jac)
-      if (.not. abs(det) > SINGULAR*norm2(jac(:, 1))*norm2(jac(:, 2))*norm2(jac(:, 3))) return
-      r = (x - xe(:, 1)) - matmul(node, shp)
-      do i = 1, 3
-        column = jac
-        column(:, i) = r
-        step(i) = det3(column)/det
-      end do
-      xi = xi + step
-      if (maxval(abs(xi)) > 3.0_wp) return
-      if (maxval(abs(step)) < 1.0e-12_wp) exit
-    end do
-    size_of = min(norm2(jac(:, 1)), norm2(jac(:, 2)), norm2(jac(:, 3)))
-    inside = maxval(abs(xi)) <= 1.0_wp + OUTSIDE + rounding_of(x)/size_of .and. it <= MAX_ITER
-    xi = max(-1.0_wp, min(1.0_wp, xi))
-  end subroutine invert_map
 
 end module input_resolve
