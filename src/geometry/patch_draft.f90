@@ -165,7 +165,7 @@ contains
         end do
         allocate (b%ext%op(n))
         do i = 1, size(draft%op)
-          if (new(i + 1) > 0) b%ext%op(new(i + 1))%c = draft%op(i)%c
+          if (new(i + 1) > 0) allocate (b%ext%op(new(i + 1))%c, source=draft%op(i)%c)
         end do
         do i = 1, b%nelem
           b%ext%iop(:, i) = new(b%ext%iop(:, i) + 1)
@@ -175,7 +175,7 @@ contains
     body%name = spec%name
     body%place = spec%place
     body%node = [(mesh%nnode + i, i=1, draft%nnode)]
-    body%mask = draft%mask(:draft%nnode)
+    allocate (body%mask, source=draft%mask(:draft%nnode))
     do f = 1, 6
       associate (list => draft%face(f), nface => draft%nface(f))
         if (.not. allocated(list%block)) allocate (list%block(0), list%elem(0), list%side(0))
