@@ -42,6 +42,7 @@ module contact_bond
     !> Weight of the normal law and of the friction law at the current projection.
     real(wp) :: share = 1.0_wp
     real(wp) :: slope(3) = 0.0_wp      !! dshare/dg [1/L]
+    real(wp) :: tilt(3, 2) = 0.0_wp    !! dshare/da_j [1/L]
   end type bond_traction_t
 
 contains
@@ -233,7 +234,8 @@ contains
     type(work_t), intent(inout) :: work
     type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
-    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, dhold(3), r, z, past
+    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, r, rate, z, past
+    real(wp) :: depth, open(3)
     integer :: j
 
     associate (cohesive => contact%cohesive)
@@ -264,28 +266,36 @@ contains
     ! at which it is released. From there to the full opening, the penalty at the current projection
     ! gradually replaces it. If points load both surfaces, the opening at the start of the step is
     ! used, because the elements of the partner and of the projection are not coupled. A damaged
-    ! bond that closes keeps the share of its largest opening, because it does not heal.
+    ! bond that closes keeps the share of its largest opening, because it does not heal. Its
+    ! penetration is not an opening, as in the laws with damage.
     bond%gap = dot_product(n, g)
+    depth = 0.0_wp
+    if (.not. contact%cohesive%law%heals) depth = min(0.0_wp, bond%gap)
+    open = g - depth*n
     past = opening_before(contact, points, i)
     r = past
-    if (.not. contact%balanced) r = max(norm2(g), past)
+    if (.not. contact%balanced) r = max(norm2(open), past)
     z = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
     bond%share = smoothstep(z)
-    if (z > 0.0_wp .and. norm2(g) > past .and. .not. contact%balanced) then
-      bond%slope = 6*z*(1.0_wp - z)*(2/contact%released)*g/r
+    if (z > 0.0_wp .and. norm2(open) > past .and. .not. contact%balanced) then
+      rate = 6*z*(1.0_wp - z)*(2/contact%released)/r
+      bond%slope = rate*open
+      do j = 1, 2
+        bond%tilt(:, j) = rate*depth*dot_product(g, up(:, j))*n
+      end do
     end if
     hold = 1.0_wp - bond%share
-    dhold = -bond%slope
     call contact%normal%law%normal(contact%normal%prop, bond%gap, points%multiplier(i), p, dp, &
                                    energy)
     bond%energy = hold*(energy - energy_at_rest(contact%normal, points%multiplier(i)))
     if (.not. hold*p > 0.0_wp) return
     bond%p = hold*p
     bond%t = bond%t + bond%p*n
-    bond%dtdg = bond%dtdg + outer(n, hold*dp*n + p*dhold)
+    bond%dtdg = bond%dtdg + outer(n, hold*dp*n - p*bond%slope)
     do j = 1, 2
       bond%dtda(:, :, j) = bond%dtda(:, :, j) &
-                           - hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n)
+                           - hold*outer(p*up(:, j) + dp*dot_product(g, up(:, j))*n, n) &
+                           - outer(p*n, bond%tilt(:, j))
     end do
     points%bond_traction(:, i) = bond%t
   end subroutine find_bond_traction
@@ -320,9 +330,11 @@ contains
     integer, intent(in) :: i
 
     opening = 0.0_wp
-    if (contact%balanced) opening = points%opening_step(i)
-    if (contact%cohesive%law%heals) return
-    opening = max(opening, norm2(points%past_step(LARGEST_OPENINGS, i)))
+    if (.not. contact%cohesive%law%heals) then
+      opening = norm2(points%past_step(LARGEST_OPENINGS, i))
+    else if (contact%balanced) then
+      opening = points%opening_step(i)
+    end if
   end function opening_before
 
 end module contact_bond

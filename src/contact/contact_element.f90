@@ -4,7 +4,7 @@ module contact_element
   use contact_bond, only: bond_traction_t, find_bond_traction
   use contact_history, only: BESIDE
   use contact_pair, only: contact_t, contact_points_t, surface_t
-  use contact_point, only: point_t, traction_derivatives_t, traction_at
+  use contact_point, only: point_t, traction_derivatives_t, traction_at, outer
   use contact_type, only: MU, OPEN, SLIP, TOUCH
   use contact_work, only: work_t, own_share, clear, add_own, add_partner, add_back, add_cross, &
                           measure, sliding_position
@@ -37,7 +37,7 @@ contains
     type(point_t) :: point
     type(traction_derivatives_t) :: dt
     type(bond_traction_t) :: bond
-    real(wp) :: up(3, 2), da, load, dtdg(3, 3)
+    real(wp) :: up(3, 2), da, load, dtdg(3, 3), dtda(3, 3, 2)
     integer :: act(2), i, j, q
 
     associate (own => contact%side(k), other => contact%side(3 - k))
@@ -71,12 +71,14 @@ contains
           do j = 1, 3
             dtdg(:, j) = point%t*bond%slope(j)
           end do
+          do j = 1, 2
+            dtda(:, :, j) = outer(point%t, bond%tilt(:, j))
+          end do
           dt%x = bond%share*dt%x + dtdg
           dt%p = bond%share*dt%p
           dt%a = bond%share*dt%a
           dt%s = bond%share*dt%s
-          call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, 0.0_wp*dt%a, load, &
-                           work)
+          call add_partner(other, points%bond(i), points%bond_xi(:, i), -dtdg, dtda, load, work)
         end if
         call add_own(bond%share*point%t, dt%x, up, load, work)
         call add_partner(other, feet(q)%elem, feet(q)%xi, dt%p, dt%a, load, work)
