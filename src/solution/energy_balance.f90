@@ -39,9 +39,8 @@ contains
       call follow(model%mesh%constraint, state%dynamics%v)
       call follow(model%mesh%constraint, state%dynamics%a)
     end if
-    if (allocated(asm%mass)) then
-      state%energy%kinetic = kinetic_energy(model, asm%mass, state)
-    end if
+    state%energy%kinetic = 0.0_wp ! also if a checkpoint of a motion is continued without inertia
+    if (allocated(asm%mass)) state%energy%kinetic = kinetic_energy(model, asm%mass, state)
     call accept_contact(asm%contact, model, state)
     call accept_step_state(state)
   end subroutine accept_solution

@@ -35,6 +35,7 @@ module step
   use stabilisation_report, only: report_stabilisation
   use step_control, only: set_dt, set_end, accept_time, pass_target, may_halve, cut_time, whole_step
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
+  use uneven_steps, only: find_uneven
   implicit none
   private
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
@@ -411,6 +412,7 @@ contains
     call follow_rounding(step, model, state, pass)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
+    call find_uneven(model, state, step%total%uneven)
     call begin_motion(step%newton%asm, model, state)
     call accept_solution(step%newton%asm, model, state)
     call follow_growth(model, state)

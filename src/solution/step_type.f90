@@ -25,6 +25,7 @@ module step_type
     logical :: inertia = .false.         !! a step with inertia was accepted
     logical :: unstable = .false.        !! the warning about an unstable state was issued
     logical :: jumped = .false.          !! the warning about a jump was issued
+    logical :: uneven = .false.          !! the warning about steps of changing length was issued
     real(wp) :: load = 0.0_wp            !! largest load or reaction, see force_rounding [F]
     real(wp) :: rounding = 0.0_wp        !! largest rounding error of an internal force [F]
     integer :: rounding_step = 0         !! the step with this error
