@@ -213,6 +213,7 @@ contains
     call exchange(x, 'total_unstable', run%step%total%unstable)
     call exchange(x, 'total_jumped', run%step%total%jumped)
     call exchange(x, 'total_uneven', run%step%total%uneven)
+    call exchange(x, 'total_lost_time', run%step%total%lost_time)
     call exchange(x, 'total_load', run%step%total%load)
     call exchange(x, 'total_rounding', run%step%total%rounding)
     call exchange(x, 'total_rounding_step', run%step%total%rounding_step)

@@ -235,7 +235,7 @@ contains
     type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
     real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, r, rate, z, past
-    real(wp) :: depth, open(3)
+    real(wp) :: depth, opened(3)
     integer :: j
 
     associate (cohesive => contact%cohesive)
@@ -271,15 +271,15 @@ contains
     bond%gap = dot_product(n, g)
     depth = 0.0_wp
     if (.not. contact%cohesive%law%heals) depth = min(0.0_wp, bond%gap)
-    open = g - depth*n
+    opened = g - depth*n
     past = opening_before(contact, points, i)
     r = past
-    if (.not. contact%balanced) r = max(norm2(open), past)
+    if (.not. contact%balanced) r = max(norm2(opened), past)
     z = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
     bond%share = smoothstep(z)
-    if (z > 0.0_wp .and. norm2(open) > past .and. .not. contact%balanced) then
+    if (z > 0.0_wp .and. norm2(opened) > past .and. .not. contact%balanced) then
       rate = 6*z*(1.0_wp - z)*(2/contact%released)/r
-      bond%slope = rate*open
+      bond%slope = rate*opened
       do j = 1, 2
         bond%tilt(:, j) = rate*depth*dot_product(g, up(:, j))*n
       end do

@@ -17,6 +17,7 @@ module input_contact
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
   use base_sort, only: sort_index
+  use base_log, only: warn
   use base_text, only: quoted, to_text, nearest, lower
   use contact_bond, only: find_softening
   use contact_nearness, only: start_t, look_at_start
@@ -174,6 +175,7 @@ contains
       return
     end if
     call tabulate_contact(contact, contact%ngauss(1), contact%ngauss(2))
+    call warn_few_points(contact)
     do k = 1, 2
       call element_areas(model%mesh, contact, k, area, width)
       contact%side(k)%width = sqrt(area)
@@ -184,6 +186,27 @@ contains
       return
     end do
   end subroutine make_sides
+
+  !> Warn if a surface has too few integration points for the degree of its functions: smoothed
+  !! tractions are ratios of sums over these points, and with one point per element the functions of
+  !! degree 2 and 3 are not integrated even roughly.
+  subroutine warn_few_points(contact)
+    type(contact_t), intent(in) :: contact
+    integer :: degree, i, k
+
+    degree = 0
+    do k = 1, 2
+      associate (basis => contact%side(k)%basis)
+        degree = max(degree, maxval([(maxval(basis(i)%degree), i=1, size(basis))]))
+      end associate
+    end do
+    if (2*minval(contact%ngauss) > degree) return
+    call warn('QUADrature '//to_text(contact%ngauss(1))//' '//to_text(contact%ngauss(2)) &
+              //' of contact '//quoted(contact%name)//' has too few points for functions of ' &
+              //'degree '//to_text(degree)//': PRESsure and TANGential of a CURVe and the fields ' &
+              //'of contact are wrong', contact%place, &
+              'leave out QUADrature, or use at least '//to_text(degree + 1)//' points')
+  end subroutine warn_few_points
 
   !> Set the penalties that the deck leaves to AUTO. With MORTar, the part of the penalty that
   !! exceeds LOCKS times that of AUTO acts at control points, because it would cause locking at

@@ -376,6 +376,7 @@ contains
     if (.not. step%solved) then          ! nothing was solved: there is no step to accept
       state%step = step%start_step
       if (step%timed) call accept_time(step%control, 0)
+      if (step%timed) call warn_lost_time(model, state, place, step%total%lost_time)
       return
     end if
 
@@ -436,6 +437,21 @@ contains
     step%solved = .false.
     outcome = STEP_ACCEPTED
   end subroutine close_step
+
+  !> Warn once if a TIME without a solve passes in a model whose forces depend on the length of the
+  !! step. The state does not change, so that motions and bonds go on as if no time had passed.
+  subroutine warn_lost_time(model, state, place, warned)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    type(place_t), intent(in) :: place
+    logical, intent(inout) :: warned
+
+    if (warned .or. .not. (state%dynamics%on .or. any(model%contact%cohesive%tau > 0.0_wp))) return
+    warned = .true.
+    call warn('a TIME without a solve has passed: loads take the new time, but inertia and VISCous ' &
+              //'know only the DT of each step that is solved, so the time before it is lost', &
+              place, 'let TANG or UTAN follow each TIME, or use a larger DT')
+  end subroutine warn_lost_time
 
   !> Find a reason why a step cannot be accepted although no solve of it failed.
   subroutine find_trouble(step, model, state, pass)
