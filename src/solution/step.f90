@@ -448,9 +448,9 @@ contains
 
     if (warned .or. .not. (state%dynamics%on .or. any(model%contact%cohesive%tau > 0.0_wp))) return
     warned = .true.
-    call warn('a TIME without a solve has passed: loads take the new time, but inertia and VISCous ' &
-              //'know only the DT of each step that is solved, so the time before it is lost', &
-              place, 'let TANG or UTAN follow each TIME, or use a larger DT')
+    call warn('a TIME without a solve has passed: loads take the new time, but inertia and ' &
+              //'VISCous know only the DT of each step that is solved, so the time before it is ' &
+              //'lost', place, 'let TANG or UTAN follow each TIME, or use a larger DT')
   end subroutine warn_lost_time
 
   !> Find a reason why a step cannot be accepted although no solve of it failed.
