@@ -5,8 +5,8 @@
 !! contact acts. Results and warnings about the penetration therefore include the corners.
 module contact_corners
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t
-  use projection, only: project
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, surface_t
+  use projection, only: project, project_from
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
   use surface_geometry, only: surface_point
@@ -45,9 +45,9 @@ contains
     end do
   end function corner_overlap
 
-  !> Largest penetration of the corners of side k into the other side [L]. A corner is included if
-  !! one of its elements faces the surface onto which the corner is projected. Corners of bonded
-  !! elements are left out, as bonded points are.
+  !> Largest penetration of the corners of side k into the other side [L]. The penetration of a
+  !! corner is its distance from the closest point of those surfaces that one of its elements faces.
+  !! Corners of bonded elements are left out, as bonded points are.
   pure real(wp) function deepest_corner(contact, k, shape, grid, points) result(deepest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -56,29 +56,83 @@ contains
     type(contact_points_t), intent(in) :: points
     type(foot_t) :: foot
     real(wp) :: x(3), a(3, 2), b(3, 3)
-    integer :: i, j, q, v
-    logical :: faces
+    real(wp), allocatable :: normals(:, :)     !! normals of the elements of a corner
+    integer :: j, q, v
 
     deepest = 0.0_wp
-    associate (own => contact%side(k))
+    associate (own => contact%side(k), other => contact%side(3 - k))
       do v = 1, size(own%ring_first) - 1
-        faces = .false.
-        do j = own%ring_first(v), own%ring_first(v + 1) - 1
-          i = (own%ring_elem(j) - 1)*contact%nq
-          if (any([(points%bond(i + q) > 0, q=1, contact%nq)])) exit
-          call surface_point(own, shape(k), own%ring_elem(j), CORNER_XI(:, own%ring_corner(j)), x, &
-                             a, b)
-          if (j == own%ring_first(v)) then
-            foot%elem = 0
-            call project(contact%side(3 - k), shape(3 - k), grid, x, foot, contact%depth)
-            if (.not. touches(foot, contact%depth)) exit
-            if (.not. -foot%gap > deepest) exit
-          end if
-          faces = faces .or. dot_product(cross(a(:, 1), a(:, 2)), foot%n) < 0.0_wp
-        end do
-        if (j == own%ring_first(v + 1) .and. faces) deepest = -foot%gap
+        j = own%ring_first(v)
+        if (own%ring_first(v + 1) == j) cycle
+        call surface_point(own, shape(k), own%ring_elem(j), CORNER_XI(:, own%ring_corner(j)), x, &
+                           a, b)
+        foot%elem = 0
+        call project(other, shape(3 - k), grid, x, foot, contact%depth)
+        if (.not. touches(foot, contact%depth)) cycle
+        if (.not. -foot%gap > deepest) cycle
+        normals = normals_at(own, shape(k), v)
+        call find_closest(other, shape(3 - k), x, normals, foot)
+        if (foot%elem == 0 .or. .not. -foot%gap > deepest) cycle
+        if (any([((points%bond((own%ring_elem(j) - 1)*contact%nq + q) > 0, q=1, contact%nq), &
+                  j=own%ring_first(v), own%ring_first(v + 1) - 1)])) cycle
+        deepest = -foot%gap
       end do
     end associate
   end function deepest_corner
+
+  !> Normals of the elements around vertex v at this vertex; their lengths are arbitrary.
+  pure function normals_at(surface, shape, v) result(normals)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    integer, intent(in) :: v
+    real(wp), allocatable :: normals(:, :)     !! (3, number of elements)
+    real(wp) :: x(3), a(3, 2), b(3, 3)
+    integer :: first, j
+
+    first = surface%ring_first(v)
+    allocate (normals(3, surface%ring_first(v + 1) - first))
+    do j = first, surface%ring_first(v + 1) - 1
+      call surface_point(surface, shape, surface%ring_elem(j), &
+                         CORNER_XI(:, surface%ring_corner(j)), x, a, b)
+      normals(:, j - first + 1) = cross(a(:, 1), a(:, 2))
+    end do
+  end function normals_at
+
+  !> Among the projection of x and closer ones on other elements, find the closest one at which the
+  !! surface faces one of the given normals; foot%elem = 0 if there is none. A projection is the
+  !! closest point near its start only: where elements are large, the start for a point that lies
+  !! beneath the bottom of a tool may be on a side of the tool.
+  pure subroutine find_closest(surface, shape, x, normals, foot)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    real(wp), intent(in) :: x(3)               !! [L]
+    real(wp), intent(in) :: normals(:, :)
+    type(foot_t), intent(inout) :: foot
+    type(foot_t) :: other
+    real(wp) :: least
+    integer :: e
+
+    least = abs(foot%gap)
+    if (.not. faces(foot)) foot%elem = 0
+    do e = 1, surface%nelem
+      if (norm2(max(0.0_wp, shape%low(:, e) - x, x - shape%high(:, e))) >= least) cycle
+      other%elem = e
+      other%xi = 0.0_wp
+      call project_from(surface, shape, x, other)
+      if (other%elem == 0 .or. .not. abs(other%gap) < least) cycle
+      if (.not. faces(other)) cycle
+      foot = other
+      least = abs(foot%gap)
+    end do
+
+  contains
+
+    pure logical function faces(foot)
+      type(foot_t), intent(in) :: foot
+
+      faces = any(matmul(foot%n, normals) < 0.0_wp)
+    end function faces
+
+  end subroutine find_closest
 
 end module contact_corners
