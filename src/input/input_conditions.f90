@@ -214,13 +214,12 @@ contains
                   //' in that direction')
       end associate
       return
+    else if (r%word == R_CSUR .and. allocated(r%surface)) then
+      call load_surface(mesh, r, on, new, bc, error)
+      return
     else if (.not. any(on)) then
       call fail(error, DECK_ERROR, 'no node lies on the surface', r%place, &
                 'widen the search with GAP d')
-      return
-    end if
-    if (r%word == R_CSUR .and. allocated(r%surface)) then
-      call load_surface(mesh, r, on, new, bc, error)
       return
     end if
     do n = 1, mesh%nnode

@@ -14,7 +14,7 @@ module input_surface
   use element_type, only: cell_t, topology_t
   use face_rule, only: face_points, face_normal, face_directions
   use input_draft, only: condition_entry_t
-  use mesh, only: mesh_t, block_t, block_cell
+  use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use mesh_boundary, only: find_outer_faces
   use quadrature, only: gauss_quad
   use tensor, only: cross
@@ -149,7 +149,7 @@ contains
     ninner = 0
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
-        if (count(on(mesh%block(b)%conn(:, e))) < 3) cycle
+        if (.not. is_near(mesh, mesh%block(b), e, r, on)) cycle
         call block_cell(mesh%block(b), e, cell)
         call mesh%block(b)%row%topology(cell, topology)
         if (topology%nface /= 6) cycle
@@ -178,6 +178,29 @@ contains
                 //'with GAP d')
     end if
   end subroutine load_surface
+
+  !> Can an element have a face on the surface? An element with nodes at its corners needs three
+  !! nodes on the surface. Control points of splines need not lie on it even if the corners of the
+  !! element do, but the element lies within the bounding box of its control points.
+  pure logical function is_near(mesh, block, e, r, on) result(near)
+    type(mesh_t), intent(in) :: mesh
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e
+    type(condition_entry_t), intent(in) :: r
+    logical, intent(in) :: on(:)  !! (nnode) nodes on the surface
+    real(wp) :: low(3), high(3), gap
+
+    if (.not. block%row%spline) then
+      near = count(on(block%conn(:, e))) >= 3
+      return
+    end if
+    near = .false.
+    if (is_rigid(block)) return
+    call search_box(r, mesh%nnode, low, high, gap)
+    associate (x => mesh%xr(:, block%conn(:, e)))
+      near = all(maxval(x, 2) >= low) .and. all(minval(x, 2) <= high)
+    end associate
+  end function is_near
 
   !> Mark the outer faces of all elements, as they are before TIE joins nodes.
   subroutine mark_outer(mesh, outer)
