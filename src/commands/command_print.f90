@@ -101,7 +101,7 @@ contains
     type(command_t), intent(in) :: command
     integer, intent(out) :: first, last, step
     type(error_t), allocatable, intent(out) :: error
-    integer :: most, nnumber
+    integer :: b, most, nnumber
 
     if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
         (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
@@ -116,7 +116,10 @@ contains
     if (allocated(error)) return
     most = run%model%mesh%nnode
     if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
-      most = sum(run%model%mesh%block%nelem)
+      most = 0 ! numbers of a mesh file may have gaps
+      do b = 1, size(run%model%mesh%block)
+        most = max(most, maxval([0, run%model%mesh%block(b)%number]))
+      end do
     end if
     first = 1
     last = most
