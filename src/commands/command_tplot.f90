@@ -8,6 +8,7 @@ module command_tplot
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: get_integer, get_real
+  use input_numbers, only: warn_number
   use input_rigid, only: warn_part_of_rigid
   use input_where, only: nearest_nodes
   implicit none
@@ -47,8 +48,10 @@ contains
     type(record_t) :: record
     type(curve_t) :: curve
     type(quantity_t) :: quantity
+    logical :: told
     integer :: i
 
+    told = .false.
     allocate (data%value(0))
     curve%name = 'tplot'
     curve%place = command%record%place(1)
@@ -58,7 +61,7 @@ contains
       if (allocated(error)) return
       if (record%kind /= RECORD_WORDS) exit
       if (record%key(1) == 'show') cycle
-      call read_history(run, record, quantity, error)
+      call read_history(run, record, quantity, told, error)
       if (allocated(error)) return
       curve%quantity = [curve%quantity, quantity]
     end do
@@ -76,10 +79,11 @@ contains
     run%model%curve = [run%model%curve, curve]
   end subroutine read_tplot
 
-  subroutine read_history(run, record, quantity, error)
+  subroutine read_history(run, record, quantity, told, error)
     type(run_t), intent(in) :: run
     type(record_t), intent(in) :: record
     type(quantity_t), intent(out) :: quantity
+    logical, intent(inout) :: told !! a warning about numbers of a mesh file was issued
     type(error_t), allocatable, intent(out) :: error
     integer :: i, node
     real(wp) :: x(3)
@@ -106,7 +110,9 @@ contains
       call get_real(run%deck, record, 3 + i, x(i), error, 0.0_wp)
       if (allocated(error)) return
     end do
-    if (node == 0) then
+    if (node > 0) then
+      call warn_number(run%model%mesh, node, record%place(2), told)
+    else if (node == 0) then
       call nearest_nodes(run%model%mesh, x, no_rigid=.false., on=on)
       node = findloc(on, .true., 1) ! the first of several
     end if

@@ -16,6 +16,7 @@ module input_model
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
   use input_motion, only: count_motions_once, report_moved_supports
+  use input_numbers, only: warn_numbers
   use input_overlap, only: warn_overlaps
   use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
@@ -65,6 +66,7 @@ contains
         if (draft%errors%count() == 0) call check_size(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call tabulate_basis(mesh) ! surface loads need the quadrature rules
+        call warn_numbers(draft, mesh)
         call find_tied(draft, mesh, tied)
         call warn_repeated_conditions(draft)
         call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements
