@@ -7,17 +7,27 @@
 !! projection at the start of the step, moved back by this elastic slip.
 module mortar_slide
   use base_kinds, only: wp
+  use contact_facets, only: FACING
   use contact_history, only: trail_behind, slide_beyond
   use contact_pair, only: contact_t, friction_points_t, surface_t
   use contact_work, only: sliding_functions
   use mortar_type, only: mortar_t, mortar_side_t
-  use projection, only: project
-  use projection_type, only: foot_t
-  use self_contact, only: project_on_itself, project_on_edge
+  use projection, only: project, project_from
+  use projection_type, only: foot_t, shape_t
+  use self_contact, only: project_on_itself
   use surface_geometry, only: surface_point
+  use tensor, only: cross
   implicit none
   private
   public :: find_slides, last_friction
+
+  !> Cosine of the largest angle by which the direction to the other surface turns in a step. If
+  !! it turns by more, the point was beside the part of the surface that it meets.
+  real(wp), parameter :: BESIDE = 0.5_wp
+  !> Without units: gaps below this, relative to the tangents, have no direction.
+  real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
+  !> Number of bisections after which an edge is known up to about the rounding error.
+  integer, parameter :: BISECTIONS = 40
 
 contains
 
@@ -51,6 +61,7 @@ contains
     type(friction_points_t), intent(in) :: rubbed
     type(foot_t) :: foot
     real(wp) :: at(3), a(3, 2), b(3, 3), n(3), elastic(3), slip_rate, limit
+    logical :: came_in
 
     associate (side => mortar%side(k), cells => mortar%side(k)%cells)
       call surface_point(contact%side(k), mortar%start(k), cells%elem(i), cells%xi(:, i), at, a, b)
@@ -59,16 +70,24 @@ contains
       if (contact%self) then
         call project_on_itself(contact, mortar%start(3 - k), mortar%reference(k), cells%elem(i), &
                                cells%xi(:, i), foot)
-        if (foot%elem == 0 .and. foot%outer == 0) then ! the point came in over an edge of the body
-          foot%elem = cells%foot(i)%elem
-          foot%xi = cells%foot(i)%xi
-          call project_on_edge(contact, mortar%start(3 - k), cells%elem(i), cells%xi(:, i), foot)
-          foot%outer = foot%elem
-          foot%outer_xi = foot%xi
-          foot%elem = 0
-        end if
+        came_in = foot%elem == 0 .and. foot%outer == 0
       else
         call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
+        came_in = .false.
+        if (foot%elem > 0) then
+          came_in = dot_product(direction(foot, at), cells%foot(i)%n) < BESIDE
+        end if
+      end if
+      if (came_in) then ! the point came in over an edge of the body
+        foot%elem = cells%foot(i)%elem
+        foot%xi = cells%foot(i)%xi
+        n = cross(a(:, 1), a(:, 2))
+        call project_on_edge(contact%side(merge(1, 3 - k, contact%self)), mortar%start(3 - k), at, &
+                             n/max(norm2(n), tiny(1.0_wp)), merge(cells%elem(i), 0, contact%self), &
+                             foot)
+        foot%outer = foot%elem
+        foot%outer_xi = foot%xi
+        foot%elem = 0
       end if
       side%slide(i) = -1
       if (foot%elem > 0) then
@@ -91,6 +110,67 @@ contains
                         elastic - dot_product(elastic, n)*n, side%slide(i), side%slide_xi(:, i))
     end associate
   end subroutine find_slide
+
+  !> Unit vector from a surface towards a point outside it.
+  pure function direction(foot, x) result(n)
+    type(foot_t), intent(in) :: foot         !! projection of the point
+    real(wp), intent(in) :: x(3)             !! the point [L]
+    real(wp) :: n(3)
+
+    n = foot%n
+    if (all(foot%free)) return
+    if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) n = (x - foot%x)/foot%gap
+  end function direction
+
+  !> Find the position on a surface that is nearest to the point x, among those that face this point
+  !! and can be reached from `foot` along the tangent plane at `foot`. If x lies beyond the edge of
+  !! the part to which `foot` belongs, the position found is on that edge.
+  pure subroutine project_on_edge(surface, shape, x, n, e, foot)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape       !! shape of the surface
+    real(wp), intent(in) :: x(3)             !! [L]
+    real(wp), intent(in) :: n(3)             !! unit normal of the surface to which x belongs
+    integer, intent(in) :: e                 !! element of x if it belongs to this surface; else 0
+    type(foot_t), intent(inout) :: foot
+    type(foot_t) :: trial
+    real(wp) :: y(3), m(3), a(3, 2), b(3, 3), far(3), s, low, high
+    integer :: i
+
+    call surface_point(surface, shape, foot%elem, foot%xi, y, a, b)
+    m = cross(a(:, 1), a(:, 2))
+    m = m/max(norm2(m), tiny(1.0_wp))
+    far = x - y - dot_product(m, x - y)*m
+    low = 0.0_wp
+    high = 1.0_wp
+    s = 1.0_wp
+    do i = 1, BISECTIONS
+      trial%elem = foot%elem
+      trial%xi = foot%xi
+      call project_from(surface, shape, y + s*far, trial)
+      if (faces(trial, n, e)) then
+        foot = trial
+        low = s
+      else
+        high = s
+      end if
+      if (.not. low < high) exit
+      s = 0.5_wp*(low + high)
+    end do
+  end subroutine project_on_edge
+
+  !> Does the element on which a projection lies face a point with the normal n? On an edge, the
+  !! normal of this element counts, because slide_beyond continues its tangent plane.
+  pure logical function faces(foot, n, e)
+    type(foot_t), intent(in) :: foot
+    real(wp), intent(in) :: n(3)
+    integer, intent(in) :: e                 !! element of the point on the same surface; 0: none
+    real(wp) :: m(3)
+
+    faces = .false.
+    if (foot%elem == 0 .or. foot%elem == e) return
+    m = cross(foot%a(:, 1), foot%a(:, 2))
+    faces = dot_product(n, m) < FACING*norm2(m)
+  end function faces
 
   !> Functions of the other side at a sliding point.
   subroutine find_slide_functions(other, side, i)

@@ -17,7 +17,7 @@ module self_contact
   use tensor, only: cross
   implicit none
   private
-  public :: may_touch, project_on_itself, project_on_edge
+  public :: may_touch, project_on_itself
 
   !> Two elements with a common node meet at a corner or edge of the body if the cosine of the angle
   !! between their normals is smaller than this.
@@ -36,8 +36,6 @@ module self_contact
   real(wp), parameter :: ACROSS = 0.25_wp
   !> Assumption: no body is compressed to less than 1/MOST_COMPRESSED of its thickness.
   real(wp), parameter :: MOST_COMPRESSED = 4.0_wp
-  !> Number of bisections after which an edge is known up to about the rounding error.
-  integer, parameter :: BISECTIONS = 40
 
 contains
 
@@ -122,43 +120,6 @@ contains
     foot%elem = 0
     foot%gap = huge(1.0_wp)
   end subroutine project_on_itself
-
-  !> Find the position on the surface that is nearest to the point xi of element e, among those that
-  !! face this point and can be reached from `foot` along the tangent plane at `foot`. If the point
-  !! xi lies beyond the edge of the part to which `foot` belongs, the position found is on that
-  !! edge.
-  pure subroutine project_on_edge(contact, shape, e, xi, foot)
-    type(contact_t), intent(in) :: contact
-    type(shape_t), intent(in) :: shape
-    integer, intent(in) :: e
-    real(wp), intent(in) :: xi(2)
-    type(foot_t), intent(inout) :: foot
-    type(foot_t) :: trial
-    real(wp) :: x(3), n(3), y(3), m(3), far(3), s, low, high
-    integer :: i
-
-    associate (surface => contact%side(1))
-      call place(surface, shape, e, xi, x, n)
-      call place(surface, shape, foot%elem, foot%xi, y, m)
-      far = x - y - dot_product(m, x - y)*m
-      low = 0.0_wp
-      high = 1.0_wp
-      s = 1.0_wp
-      do i = 1, BISECTIONS
-        trial%elem = foot%elem
-        trial%xi = foot%xi
-        call project_from(surface, shape, y + s*far, trial)
-        if (trial%elem > 0 .and. trial%elem /= e .and. dot_product(n, trial%n) < FACING) then
-          foot = trial
-          low = s
-        else
-          high = s
-        end if
-        if (.not. low < high) exit
-        s = 0.5_wp*(low + high)
-      end do
-    end associate
-  end subroutine project_on_edge
 
   !> Were a point and its projection on opposite faces of the body before the deformation?
   pure logical function is_opposite(contact, reference, e, xi, foot) result(yes)
