@@ -45,12 +45,10 @@ module newton
 
 contains
 
-  !> Begin a step: state%factor and state%time are those at the end of the step, state%u is that at
-  !! the start of the step.
-  subroutine begin_newton(newton, model, state, predicts, secant)
+  !> Begin a step. Displacements do not change before its first forces are formed.
+  subroutine begin_newton(newton, model, predicts, secant)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
-    type(state_t), intent(inout) :: state
     logical, intent(in) :: predicts          !! the step may start from predicted displacements
     logical, intent(in) :: secant            !! the step uses secants of friction
 
@@ -74,17 +72,32 @@ contains
     newton%expected = 0.0_wp
     newton%sign = 0
     newton%flips = 0
+    call begin_stabilisation(newton%hold, model)
+    newton%asm%anchors = anchors_t()
+    newton%moves = .false.
+    newton%predicted = .false.
+    newton%begins = .true.
+    ! do not continue moves of bodies towards a contact
+    newton%predicts = predicts .and. .not. (secant .or. newton%constraint%on .or. &
+                                            newton%hold%active)
+  end subroutine begin_newton
+
+  !> Before the first forces of a step are formed, find its prescribed motion, and predict the
+  !! displacements: state%u is that at the start of the step, state%factor and state%time are those
+  !! at its end, which PROP may have changed since the step began.
+  subroutine begin_move(newton, model, state)
+    type(newton_t), intent(inout) :: newton
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+
+    newton%begins = .false.
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
-    call begin_stabilisation(newton%hold, model)
-    newton%asm%anchors = anchors_t()
-    newton%predicted = .false.
-    ! do not continue moves of bodies towards a contact
-    if (.not. predicts .or. secant .or. newton%constraint%on .or. newton%hold%active) return
+    if (.not. newton%predicts) return
     call predict(model, state, newton%move, newton%piece, newton%predicted)
     newton%moves = newton%moves .and. .not. newton%predicted
-  end subroutine begin_newton
+  end subroutine begin_move
 
   !> Form forces and tangent at the current displacements; the trial history becomes that of this
   !! iteration.
@@ -98,6 +111,7 @@ contains
 
     call prepare_newton(newton, model, symmetric, error)
     if (allocated(error)) return
+    if (newton%begins) call begin_move(newton, model, state)
     call set_patience(newton%asm%contact, patient=.not. newton%hold%used)
     call form(newton%asm, model, state, pass%sweep, error)
     if (allocated(error)) return

@@ -45,6 +45,8 @@ module newton_type
     real(wp), allocatable :: move(:, :) !! (3, nnode) prescribed increments still to be made [L]
     real(wp), allocatable :: spacing(:) !! (nnode) distance to the nearest neighbour [L]
     logical :: moves = .false.         !! the next increment contains `move`
+    logical :: begins = .false.        !! no forces have been formed in this step
+    logical :: predicts = .false.      !! the step may start from predicted displacements
     real(wp), allocatable :: moved(:, :) !! (3, nnode) prescribed part of the last increment [L]
     logical :: has_moved = .false.     !! the last increment contained `moved`
     real(wp) :: overlap = 0.0_wp       !! penetration before the last increment, see overlap_found

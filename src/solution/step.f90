@@ -90,7 +90,7 @@ contains
     else
       call open_step(state, state%time)
     end if
-    call begin_newton(step%newton, model, state, step%timed .and. step%cutbacks == 0, step%secant)
+    call begin_newton(step%newton, model, step%timed .and. step%cutbacks == 0, step%secant)
   end subroutine begin_step
 
   !> Form forces and tangent at the current displacements.
@@ -374,7 +374,7 @@ contains
     if (.not. step%open) return
     step%open = .false.
     if (.not. step%solved) then          ! nothing was solved: there is no step to accept
-      state%step = step%start_step
+      call restore_step(state, step%start_step, state%time)
       if (step%timed) call accept_time(step%control, 0)
       if (step%timed) call warn_lost_time(model, state, place, step%total%lost_time)
       return
