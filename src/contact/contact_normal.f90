@@ -27,14 +27,20 @@ contains
 
   !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
   !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond that. The derivative
-  !! of p then has no jump, and it is zero where surfaces just touch.
+  !! of p then has no jump, and it is zero where surfaces just touch. A number takes the place of
+  !! the multiplier in y that makes p equal to the multiplier at a gap of zero: augmentation then
+  !! closes the gap.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)
     real(wp), intent(in) :: gap, multiplier
     real(wp), intent(out) :: p, dp, energy
 
     associate (eps => prop(PENALTY), d => prop(SMOOTHING))
-      p = multiplier - eps*gap
+      if (multiplier < 0.5_wp*eps*d) then
+        p = sqrt(2*multiplier*eps*d) - eps*gap
+      else
+        p = multiplier + 0.5_wp*eps*d - eps*gap
+      end if
       dp = -eps
       if (.not. p > 0.0_wp) then
         p = 0.0_wp
