@@ -2,16 +2,16 @@
 !!
 !! The multipliers take over the pressure due to the penetrations, so that the next solves leave
 !! smaller penetrations. The commands are LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent
-!! / NEXT. If no pressure would change by more than a tolerance (relative to the largest pressure),
-!! nothing is changed and LOOP,augment ends. Nothing is changed in the last pass of this loop
-!! either, because no solve would follow.
+!! / NEXT. If no pressure would change by more than a tolerance (relative to the largest pressure or
+!! multiplier at present), nothing is changed and LOOP,augment ends. Nothing is changed in the last
+!! pass of this loop either, because no solve would follow.
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row
-  use contact_augment, only: rise_t, find_rise, take_rise
+  use contact_augment, only: rise_t, find_rise, take_rise, largest_pressure
   use program_position, only: leave_loop, is_last_pass
   implicit none
   private
@@ -73,8 +73,7 @@ contains
         do k = 1, 2
           if (size(rise(k, c)%at) == 0) cycle
           change = max(change, maxval(abs(rise(k, c)%at)))
-          most = max(most, maxval([0.0_wp, contact(c)%side(k)%pressure]), &
-                     maxval([0.0_wp, contact(c)%control(k)%pressure]))
+          most = max(most, largest_pressure(run%model%contact(c), k, contact(c)))
         end do
       end do
       if (most > 0.0_wp) change = change/most

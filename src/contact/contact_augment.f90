@@ -22,7 +22,7 @@ module contact_augment
   use contact_work, only: element_functions
   implicit none
   private
-  public :: rise_t, find_rise, take_rise, share_penalty
+  public :: rise_t, find_rise, largest_pressure, take_rise, share_penalty
 
   !> Smallest fraction of the penalty that acts at the control points with MORTar and AUGMent. The
   !! multipliers of the control points take over the pressure.
@@ -83,6 +83,26 @@ contains
       end associate
     end do
   end subroutine find_rise
+
+  !> The largest pressure or multiplier of side k in the last iteration, with which increments are
+  !! compared [F/L^2]. Multipliers are included because those of the previous step remain where a
+  !! surface has opened and all pressures are zero. With MORTar, only control points count: the
+  !! pressures of integration points are those of the last accepted step.
+  pure real(wp) function largest_pressure(contact, k, state) result(most)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_state_t), intent(in) :: state
+
+    if (contact%scheme == MORTAR) then
+      associate (control => state%control(k))
+        most = maxval([0.0_wp, control%pressure, control%multiplier])
+      end associate
+    else
+      associate (points => state%side(k))
+        most = maxval([0.0_wp, points%pressure, points%multiplier])
+      end associate
+    end if
+  end function largest_pressure
 
   !> Smooth a value of all points of side k, whether in contact or not; the result is
   !! field%pressure.
