@@ -143,22 +143,27 @@ contains
     if (allocated(error)) call draft%errors%add(error)
   end subroutine share_conditions
 
-  !> Fail if the displacements of two nodes that TIE joins contradict each other.
+  !> Fail if the displacements of two nodes that TIE joins contradict each other. A node that BOUN
+  !! restrains and that no record moves has the displacement 0.
   subroutine check_displacements(draft, bc, m, n, error)
     type(draft_t), intent(in) :: draft
     type(boundary_t), intent(in) :: bc
     integer, intent(in) :: m, n
     type(error_t), allocatable, intent(out) :: error
+    logical :: both ! both nodes have a displacement
     integer :: d
 
     associate (u => bc%value(:, m), v => bc%value(:, n))
       do d = 1, 3
-        if (.not. (abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp)) cycle ! not both have a value
+        both = abs(u(d)) > 0.0_wp .and. abs(v(d)) > 0.0_wp .or. &
+               all(bc%fixed(d, [m, n]) /= 0)
+        if (.not. both) cycle
         if (abs(u(d) - v(d)) <= ROUNDING*max(norm2(u), norm2(v))) cycle
         call fail(error, DECK_ERROR, 'TIE joins nodes '//to_text(m)//' and '//to_text(n) &
-                  //', for which DISPlacement prescribes '//to_text(u(d))//' and '//to_text(v(d)) &
-                  //' in direction '//to_text(d), draft%tie(1)%place, &
-                  'prescribe the displacement of only one of these nodes, or leave both out of TIE')
+                  //', whose prescribed displacements in direction '//to_text(d)//' are ' &
+                  //to_text(u(d))//' and '//to_text(v(d)), draft%tie(1)%place, &
+                  'give both nodes the same DISPlacement, restrain only one of them, or leave ' &
+                  //'both out of TIE')
         return
       end do
     end associate
