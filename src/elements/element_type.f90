@@ -64,6 +64,8 @@ module element_type
     integer :: nmode = 0             !! number of enhanced modes, with three parameters each
     integer :: deck_nodes = 0        !! nodes in a record of ELEMents; 0: not available there
     integer :: degree = 0            !! degree of its faces; 0: it depends on the block
+    !> Points of the rule for masses in each direction; 0: masses have the rule of the element.
+    integer :: mass_points = 0
     integer :: deck_order(27) = 0    !! local node of each node of the deck; 0: in the same order
     procedure(element_rule_i), pointer, nopass :: rule => null()
     procedure(element_functions_i), pointer, nopass :: functions => null()

@@ -1,7 +1,7 @@
 !> PYRAMID5: five-node pyramid, the trilinear hexahedron whose upper face is collapsed to a point.
 !!
 !! Nodes:  base counter-clockwise seen from the apex, then the apex (FEAP, VTK and Gmsh order)
-!! Rule:   2 x 2 x 2 Gauss points: none at the apex, where the map is singular
+!! Rule:   2 x 2 x 2 Gauss points: none at the apex, where the map is singular; 3 x 3 x 3 for masses
 !! Source: the functions of Q1, with the four of the upper face added up. They are rational in the
 !!         pyramid's own coordinates, bilinear on the base and linear on the triangles, so that the
 !!         pyramid joins hexahedra and tetrahedra
@@ -24,7 +24,7 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row = element_t(name='PYRAMID5', deck_nodes=5, degree=1, &
+    row = element_t(name='PYRAMID5', deck_nodes=5, degree=1, mass_points=3, &
                     source='linear pyramid, 5 nodes: Q1 with its upper face collapsed to a point', &
                     rule=collapsed_rule, functions=functions, topology=set_topology, form=form)
   end function describe

@@ -2,7 +2,8 @@
 !!
 !! Nodes:  corners 1 to 4, then middles of 12 23 31 14 24 34 (FEAP and VTK order)
 !! Parent: cube, see collapsed_shape
-!! Rule:   4 points, exact to degree 2; QUADrature q > 2: q x q x q points of the cube
+!! Rule:   4 points, exact to degree 2; QUADrature q > 2: q x q x q points of the cube; for masses q
+!!         is at least 4
 !! Source: Zienkiewicz and Taylor 2005
 module elmt_tet10
   use base_kinds, only: wp
@@ -24,7 +25,7 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row = element_t(name='TET10', deck_nodes=10, degree=2, &
+    row = element_t(name='TET10', deck_nodes=10, degree=2, mass_points=4, &
                     source='quadratic tetrahedron, 10 nodes', rule=set_rule, &
                     functions=functions, topology=set_topology, form=form)
   end function describe

@@ -2,7 +2,7 @@
 !!
 !! Nodes:  1, 2, 3 counter-clockwise seen from 4 (FEAP, VTK and Gmsh order)
 !! Parent: cube, see collapsed_shape
-!! Rule:   one point; QUADrature q > 1: q x q x q points of the cube
+!! Rule:   one point; QUADrature q > 1: q x q x q points of the cube; for masses q is at least 3
 !! Source: Zienkiewicz and Taylor 2005
 !! Limits: shear locking in bending, volumetric locking for nu above 0.4, unlike TET10
 module elmt_tet4
@@ -26,7 +26,7 @@ contains
   function describe() result(row)
     type(element_t) :: row
 
-    row = element_t(name='TET4', deck_nodes=4, degree=1, &
+    row = element_t(name='TET4', deck_nodes=4, degree=1, mass_points=3, &
                     source='linear tetrahedron, 4 nodes; it locks, so use it only inside bodies', &
                     rule=set_rule, functions=functions, topology=set_topology, form=form)
   end function describe

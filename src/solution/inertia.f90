@@ -1,10 +1,19 @@
 !> Masses of the elements, and inertial forces.
+!!
+!! The degree of rho N_a N_b is twice that of the functions, but that of the stress power is lower,
+!! and the rules of tetrahedra and pyramids are made for the latter. With one point, the mass of a
+!! linear tetrahedron would have the rank 1, and a turning body would have half of its energy. So
+!! these elements have a rule of their own for masses (mass_points of element_t), which is exact if
+!! their edges are straight.
 module inertia
   use base_kinds, only: wp
+  use basis_type, only: basis_t
   use csr, only: block_matrix_t
   use dynamics_type, only: dynamics_t, HHT
-  use mesh, only: block_t, is_rigid
+  use element_type, only: cell_t, rule_t
+  use mesh, only: block_t, block_cell, is_rigid
   use model, only: model_t, state_t
+  use model_basis, only: tabulate_points
   use tensor, only: det3
   implicit none
   private
@@ -27,6 +36,7 @@ contains
     type(model_t), intent(in) :: model
     type(dynamics_t), intent(in) :: dynamics
     type(mass_t), allocatable, intent(out) :: mass(:)
+    type(basis_t) :: better
     real(wp) :: density
     integer :: b, e
 
@@ -37,8 +47,9 @@ contains
         density = dynamics%density
         if (density < 0.0_wp) density = model%material(block%material)%density
         allocate (mass(b)%m(block%nen, block%nen, block%nelem))
+        call find_better(block, better)
         do e = 1, block%nelem
-          call element_mass(block, e, model%mesh%xr(:, block%conn(:, e)), density, &
+          call element_mass(block, better, e, model%mesh%xr(:, block%conn(:, e)), density, &
                             mass(b)%m(:, :, e))
           if (dynamics%lumped) call lump(mass(b)%m(:, :, e))
         end do
@@ -46,10 +57,41 @@ contains
     end do
   end subroutine find_masses
 
-  !> Mass matrix of an element, int rho N_a N_b dV.
-  pure subroutine element_mass(block, e, xr, density, m)
+  !> Functions of a block at the points of the rule for masses, if the elements have such a rule and
+  !! the block has none that is at least as good. All elements then have the same functions.
+  subroutine find_better(block, better)
     type(block_t), intent(in) :: block
+    type(basis_t), intent(out) :: better  !! nq = 0: masses have the rule of the block
+    type(cell_t) :: cell
+    type(rule_t) :: rule
+
+    associate (n => block%row%mass_points)
+      if (block%rule%nq >= n**3) return
+      call block_cell(block, 1, cell)
+      call block%row%rule(cell, n, n, rule)
+      call tabulate_points(block, 1, rule%xi, rule%wgt, better)
+    end associate
+  end subroutine find_better
+
+  !> Mass matrix of an element.
+  pure subroutine element_mass(block, better, e, xr, density, m)
+    type(block_t), intent(in) :: block
+    type(basis_t), intent(in) :: better   !! of find_better
     integer, intent(in) :: e
+    real(wp), intent(in) :: xr(:, :)      !! (3, nen) [L]
+    real(wp), intent(in) :: density
+    real(wp), intent(out) :: m(:, :)      !! (nen, nen)
+
+    if (better%nq > 0) then
+      call integrate_mass(better, xr, density, m)
+    else
+      call integrate_mass(block%basis(block%ibasis(e)), xr, density, m)
+    end if
+  end subroutine element_mass
+
+  !> Integrate rho N_a N_b over an element.
+  pure subroutine integrate_mass(basis, xr, density, m)
+    type(basis_t), intent(in) :: basis
     real(wp), intent(in) :: xr(:, :)      !! (3, nen) [L]
     real(wp), intent(in) :: density
     real(wp), intent(out) :: m(:, :)      !! (nen, nen)
@@ -57,15 +99,13 @@ contains
     integer :: a, q
 
     m = 0.0_wp
-    associate (basis => block%basis(block%ibasis(e)))
-      do q = 1, basis%nq
-        w = density*basis%wgt(q)*det3(matmul(xr, transpose(basis%dshp(:, :, q))))
-        do a = 1, block%nen
-          m(:, a) = m(:, a) + (w*basis%shp(a, q))*basis%shp(:, q)
-        end do
+    do q = 1, basis%nq
+      w = density*basis%wgt(q)*det3(matmul(xr, transpose(basis%dshp(:, :, q))))
+      do a = 1, basis%nen
+        m(:, a) = m(:, a) + (w*basis%shp(a, q))*basis%shp(:, q)
       end do
-    end associate
-  end subroutine element_mass
+    end do
+  end subroutine integrate_mass
 
   !> Replace a mass matrix by a diagonal one. Its row sums are the nodal forces of a uniform
   !! acceleration, so a body on which a uniform force per mass acts falls without stress. Where row
@@ -97,16 +137,18 @@ contains
   end function has_positive_rows
 
   !> Number of elements of a block whose lumped masses are the scaled diagonal.
-  pure integer function count_scaled(block, xr) result(n)
+  integer function count_scaled(block, xr) result(n)
     type(block_t), intent(in) :: block
     real(wp), intent(in) :: xr(:, :)      !! (3, nnode) [L]
+    type(basis_t) :: better
     real(wp) :: m(block%nen, block%nen)
     integer :: e
 
     n = 0
     if (is_rigid(block)) return
+    call find_better(block, better)
     do e = 1, block%nelem
-      call element_mass(block, e, xr(:, block%conn(:, e)), 1.0_wp, m)
+      call element_mass(block, better, e, xr(:, block%conn(:, e)), 1.0_wp, m)
       if (.not. has_positive_rows(m)) n = n + 1
     end do
   end function count_scaled
