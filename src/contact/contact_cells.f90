@@ -41,14 +41,15 @@ module contact_cells
   !! needed more than MANY further points for ACCURACY, as on strongly deformed surfaces, it has
   !! none, because they would cost more than the accuracy is worth.
   integer, parameter :: MANY = 5
-  integer, parameter :: MOST_ORDER = 12        !! most Gauss points of a piece in one direction
-  integer, parameter :: MOST_POINTS = MOST_CORNERS/2*MOST_ORDER**2
+  !> Most Gauss points of a piece in one direction, unless QUADrature gives more.
+  integer, parameter :: USUAL_MOST = 12
 
   !> Gauss points of every order, and the functions that bend the edges of cells, evaluated at these
   !! points.
   type :: rule_t
-    real(wp) :: g(MOST_ORDER, MOST_ORDER), w(MOST_ORDER, MOST_ORDER) !! (:n, n) rule of order n
-    real(wp) :: f(NBEND, MOST_ORDER, MOST_ORDER), df(NBEND, MOST_ORDER, MOST_ORDER)
+    integer :: most = 0 !! most points in one direction
+    real(wp), allocatable :: g(:, :), w(:, :)         !! (:n, n) rule of order n; (most, most)
+    real(wp), allocatable :: f(:, :, :), df(:, :, :)  !! (NBEND, most, most)
     integer :: least = 1 !! points in one direction for polynomials of both surfaces
     integer :: further = 0 !! further points that QUADrature permits, in one direction
     integer :: whole = 1 !! points of a whole element in one direction
@@ -134,7 +135,7 @@ contains
     type(rule_t), intent(in) :: rule
     type(points_t), intent(inout) :: points !! replaces the earlier points
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
-    real(wp) :: point(2, MOST_POINTS), weight(MOST_POINTS)
+    real(wp), allocatable :: point(:, :), weight(:)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
     integer, allocatable :: near(:)
     integer :: tag(MOST_CORNERS)
@@ -143,7 +144,8 @@ contains
     logical :: mapped
 
     associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
-      allocate (near(theirs%n))
+      n = MOST_CORNERS/2*rule%most**2
+      allocate (near(theirs%n), point(2, n), weight(n))
       points%n = 0
       call reserve(points, 16*rule%least**2)
       e = 0
@@ -211,7 +213,10 @@ contains
     type(rule_t), intent(out) :: rule
     integer :: n, q
 
-    do n = 1, MOST_ORDER
+    rule%most = max(USUAL_MOST, maxval(contact%ngauss))
+    allocate (rule%g(rule%most, rule%most), rule%w(rule%most, rule%most))
+    allocate (rule%f(NBEND, rule%most, rule%most), rule%df(NBEND, rule%most, rule%most))
+    do n = 1, rule%most
       call gauss(n, rule%g(:n, n), rule%w(:n, n))
       do q = 1, n
         call bend_functions(rule%g(q, n), rule%f(:, q, n), rule%df(:, q, n))
@@ -241,7 +246,7 @@ contains
     order = further_order(max(mine%uneven(i)*min(1.0_wp, fraction), &
                               theirs%uneven(j)*min(1.0_wp, other_fraction)))
     order = min(order, merge(1, 0, order <= MANY) + rule%further)
-    n = min(max(n, rule%least + order), MOST_ORDER)
+    n = min(max(n, rule%least + order), rule%most)
   end function order_of_piece
 
   !> Number of Gauss points, in each direction, that a cell over which the tangents change by the
