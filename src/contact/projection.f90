@@ -429,7 +429,10 @@ contains
     n = n/sqrt(n(1)**2 + n(2)**2 + n(3)**2)
   end function normal
 
-  !> Mean of the normals of the elements at an edge or around a vertex.
+  !> Mean of the normals of the elements at an edge or around a vertex. Around a vertex each normal
+  !! has the angle of its element as its weight. Then the mean points to the side of the surface on
+  !! which x lies, whatever the shape of the surface and the number of elements on each of its faces
+  !! (Baerentzen and Aanaes 2005).
   pure function mean_normal(surface, shape, x, iterate, ending, edge) result(n)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
@@ -440,24 +443,51 @@ contains
     type(iterate_t) :: other
     integer :: elem, vertex, r, behind
 
-    n = normal(iterate)
     if (ending == ON_EDGE) then
+      n = normal(iterate)
       elem = iterate%elem
       xi = iterate%xi
       call step_across(surface, maxval(edge), elem, xi, behind)
       call evaluate(surface, shape, elem, xi, x, other)
       if (other%regular) n = n + normal(other)
     else
+      n = 0.0_wp
       vertex = surface%vertex(corner_at(iterate%xi), iterate%elem)
       do r = surface%ring_first(vertex), surface%ring_first(vertex + 1) - 1
-        if (surface%ring_elem(r) == iterate%elem) cycle
         xi = corner_xi(surface%ring_corner(r))
         call move_inside(surface, surface%ring_elem(r), xi)
         call evaluate(surface, shape, surface%ring_elem(r), xi, x, other)
-        if (other%regular) n = n + normal(other)
+        if (other%regular) n = n + angle_at(surface, shape, other)*normal(other)
       end do
+      if (.not. norm2(n) > 0.0_wp) n = normal(iterate)
     end if
     n = n/max(norm2(n), tiny(1.0_wp))
   end function mean_normal
+
+  !> Angle of an element at a corner. At each end of a collapsed edge it is half of the angle of the
+  !! triangle at the vertex, because both ends are in the ring of the vertex.
+  pure real(wp) function angle_at(surface, shape, iterate) result(angle)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: shape
+    type(iterate_t), intent(in) :: iterate   !! at the corner, or beside a collapsed edge
+    type(iterate_t) :: other
+    real(wp) :: a(3, 2), xi(2)
+    integer :: g, side
+
+    a = iterate%a*spread(sign(1.0_wp, iterate%xi), 1, 3)
+    side = collapsed_side(surface, iterate%elem)
+    if (side > 0) then
+      g = (side + 1)/2
+      if (iterate%xi(g)*merge(-1.0_wp, 1.0_wp, mod(side, 2) == 1) > 0.0_wp) then
+        xi = iterate%xi
+        xi(3 - g) = -xi(3 - g)
+        call evaluate(surface, shape, iterate%elem, xi, iterate%x, other)
+        a(:, 3 - g) = other%a(:, g)*sign(1.0_wp, iterate%xi(g))
+        angle = 0.5_wp*atan2(norm2(cross(a(:, 1), a(:, 2))), dot_product(a(:, 1), a(:, 2)))
+        return
+      end if
+    end if
+    angle = atan2(norm2(cross(a(:, 1), a(:, 2))), dot_product(a(:, 1), a(:, 2)))
+  end function angle_at
 
 end module projection
