@@ -41,7 +41,7 @@ contains
       print '(a)', 'equations  '//to_text(model%neq)
       print '(a)', 'commands   '//to_text(size(job%program%command))
       symmetric = .not. has_command(job, 'utan')
-      call prepare_newton(newton, model, symmetric, error)
+      call prepare_newton(newton, model, 0, symmetric, error)
       if (allocated(error)) return
       print '(a)', 'memory     about '//to_text(newton%system%estimate_mb(), 3) &
         //' MB needed for a factorisation, '//to_text(available_memory_mb(), 3)//' MB available'

@@ -25,7 +25,7 @@ module assembly
   use model, only: model_t, state_t
   implicit none
   private
-  public :: assembler_t, sweep_t, new_assembler, form, free_part, full_vector
+  public :: assembler_t, sweep_t, new_assembler, set_aside, take_back, form, free_part, full_vector
 
   type :: assembler_t
     type(block_matrix_t) :: k            !! tangent: the part of this rank
@@ -63,6 +63,34 @@ contains
     allocate (asm%f_inert(3, model%mesh%nnode), asm%f_contact(3, model%mesh%nnode), source=0.0_wp)
     call set_pattern(asm, model, symmetric, 0, error)
   end subroutine new_assembler
+
+  !> Set the contact, the masses and the anchors of the current step aside while a new assembler
+  !! replaces the present one.
+  subroutine set_aside(asm, kept)
+    type(assembler_t), intent(inout) :: asm
+    type(assembler_t), intent(out) :: kept
+
+    call move_alloc(asm%contact, kept%contact)
+    call move_alloc(asm%mass, kept%mass)
+    kept%anchors = asm%anchors
+  end subroutine set_aside
+
+  !> Take what was set aside back into a new assembler.
+  subroutine take_back(asm, model, step, kept, error)
+    type(assembler_t), intent(inout) :: asm
+    type(model_t), intent(in) :: model
+    integer, intent(in) :: step          !! number of the current step
+    type(assembler_t), intent(inout) :: kept
+    type(error_t), allocatable, intent(out) :: error
+    logical :: symmetric
+
+    if (.not. allocated(kept%contact)) return ! there was no assembler
+    call move_alloc(kept%contact, asm%contact)
+    call move_alloc(kept%mass, asm%mass)
+    asm%anchors = kept%anchors
+    symmetric = asm%k%symmetric ! a copy, because set_pattern replaces asm%k
+    call set_pattern(asm, model, symmetric, step, error)
+  end subroutine take_back
 
   !> Divide the elements of each block into equal parts of whole batches, one for each rank.
   subroutine divide_elements(model, first)

@@ -5,7 +5,8 @@ module newton
   use anchors, only: anchors_t
   use anderson, only: accelerate, accelerate_slow, forget, restart
   use approach, only: approach_surface
-  use assembly, only: sweep_t, new_assembler, form, free_part, full_vector
+  use assembly, only: assembler_t, sweep_t, new_assembler, set_aside, take_back, form, free_part, &
+                      full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
   use constrained_newton, only: solve_constrained
@@ -109,7 +110,7 @@ contains
     type(pass_t), intent(inout) :: pass
     type(error_t), allocatable, intent(out) :: error
 
-    call prepare_newton(newton, model, symmetric, error)
+    call prepare_newton(newton, model, state%step, symmetric, error)
     if (allocated(error)) return
     if (newton%begins) call begin_move(newton, model, state)
     call set_patience(newton%asm%contact, patient=.not. newton%hold%used)
@@ -482,20 +483,29 @@ contains
 
   !> Find the pattern and analyse it. This is done once, and repeated here only if TANG and UTAN
   !! alternate or an option of FACTor changes; see take_pattern for changes by contact.
-  subroutine prepare_newton(newton, model, symmetric, error)
+  !!
+  !! This may happen within a step. The step keeps its contact then, because the cells that were cut
+  !! in it are part of its equilibrium. The pattern that is analysed has no couplings by contact,
+  !! because a restarted run, which knows none, may have to analyse it here.
+  subroutine prepare_newton(newton, model, step, symmetric, error)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
+    integer, intent(in) :: step          !! number of the current step
     logical, intent(in) :: symmetric
     type(error_t), allocatable, intent(out) :: error
+    type(assembler_t) :: kept
 
     if (newton%ready .and. (newton%symmetric .eqv. symmetric)) return
     if (newton%ready) call newton%system%free()
     newton%ready = .false.
+    call set_aside(newton%asm, kept)
     call new_assembler(newton%asm, model, symmetric, error)
     if (allocated(error)) return
     call new_linear_system(newton%system, newton%asm%k, model%eq, newton%mode, newton%eps, error)
     if (allocated(error)) return
     newton%asm%new_pattern = .false.
+    call take_back(newton%asm, model, step, kept, error)
+    if (allocated(error)) return
     newton%symmetric = symmetric
     newton%ready = .true.
     if (.not. allocated(newton%spacing)) newton%spacing = node_spacing(model%mesh)
