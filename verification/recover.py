@@ -53,7 +53,10 @@ def datasets(path):
 
 def difference(one, other, stem):
     """The reason why the results in two folders are not equal bit for bit, or None."""
-    for path in sorted([*one.glob(f"{stem}_*.dat"), *one.glob(f"{stem}*.pvd"), *one.glob("*.vtu")]):
+    if (other / f"{stem}.out").exists() and not (one / f"{stem}.out").exists():
+        return f"{stem}.out is left over"
+    kinds = (f"{stem}_*.dat", f"{stem}.out", f"{stem}*.pvd", "*.vtu")
+    for path in sorted(path for kind in kinds for path in one.glob(kind)):
         if not (other / path.name).exists():
             return f"{path.name} is missing"
         if path.read_bytes() != (other / path.name).read_bytes():

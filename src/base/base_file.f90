@@ -6,7 +6,8 @@ module base_file
   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int16_t, c_int32_t, c_int64_t
   implicit none
   private
-  public :: file_t, inspect, make_folder, replace_file, remove_file, lock_file, unlock_file, &
+  public :: file_t, inspect, make_folder, replace_file, remove_file, cut_file, &
+            file_size, lock_file, unlock_file, &
             lock_t, folder_of, base_name, system_reason, detach, note_input, input_of
 
   integer, parameter, public :: FILE_ABSENT = 0, FILE_REGULAR = 1, FILE_FOLDER = 2, FILE_OTHER = 3
@@ -106,6 +107,14 @@ module base_file
       character(kind=c_char), intent(in) :: path(*)
       integer(c_int) :: failed
     end function c_unlink
+
+    function c_truncate(path, length) bind(C, name='truncate') result(failed)
+      import :: c_int, c_long, c_char
+      implicit none
+      character(kind=c_char), intent(in) :: path(*)
+      integer(c_long), value :: length
+      integer(c_int) :: failed
+    end function c_truncate
 
     function c_errno() bind(C, name='__errno_location') result(address)
       import :: c_ptr
@@ -237,6 +246,28 @@ contains
 
     failed = c_unlink(c_text(path))
   end subroutine remove_file
+
+  !> Shorten a file to a length. A file that is not longer remains as it is.
+  subroutine cut_file(path, length, error)
+    character(*), intent(in) :: path
+    integer(i8), intent(in) :: length    !! [byte]
+    type(error_t), allocatable, intent(out) :: error
+
+    if (file_size(path) <= length) return
+    if (c_truncate(c_text(path), int(length, c_long)) /= 0) then
+      call fail(error, SYSTEM_ERROR, "cannot write '"//path//"': "//system_reason())
+    end if
+  end subroutine cut_file
+
+  !> Size of a file [byte]; 0 if there is none.
+  function file_size(path) result(size)
+    character(*), intent(in) :: path
+    integer(i8) :: size
+    type(file_t) :: file
+
+    call inspect(path, file)
+    size = file%size
+  end function file_size
 
   !> Remove a path that is a symbolic link, or one of several hard links to a file, so that creating
   !! a file at this path does not change any other file.

@@ -4,12 +4,12 @@ module command_checkpoint
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
   use base_error, only: error_t, fail, SYSTEM_ERROR, STOPPED
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_log, only: log_line, message_count, get_warning, recall_warning
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: quoted, to_text
-  use command_files, only: close_files
-  use command_type, only: plan_t, program_t, run_t
+  use command_files, only: cut_tables, close_files
+  use command_type, only: files_t, plan_t, program_t, run_t
   use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use linear_system, only: FULL
@@ -107,6 +107,9 @@ contains
     if (run%step%open) then
       call abandon_step(run%step, run%state)
       call rewind_program(run%program, run%deck%params)
+      call cut_tables(run, error)
+      call agree(error)
+      if (allocated(error)) return
     end if
     if (.not. (run%step%newton%system%keeps_factors() .and. run%restart_point%set)) then
       call write_checkpoint(run, error)
@@ -223,7 +226,23 @@ contains
     call exchange_warnings(x)
     call exchange_tables(x, run%plan)
     call exchange(x, 'output_every', run%plan%every)
+    call exchange(x, 'tplot_every', run%plan%tplot_every)
+    call exchange(x, 'prints', run%plan%prints)
+    call exchange_printed(x, run%files)
   end subroutine exchange_run
+
+  !> Exchange the length of the printed tables of the closed steps.
+  subroutine exchange_printed(x, files)
+    type(exchange_t), intent(inout) :: x
+    type(files_t), intent(inout) :: files
+    real(wp) :: length ! a whole number that may be too large for an integer of the checkpoint
+
+    length = real(files%printed, wp)
+    call exchange(x, 'printed', length)
+    if (x%writes .or. .not. x%whole) return
+    x%whole = length >= 0.0_wp .and. length < 2.0_wp**digits(length)
+    if (x%whole) files%printed = int(length, i8)
+  end subroutine exchange_printed
 
   !> Exchange what has been seen of the load tables (see table_use).
   subroutine exchange_tables(x, plan)

@@ -1,13 +1,13 @@
-!> The files of curves and fields. They are opened when the first row or the first fields are
-!! written (after a restart: at the start), so that a run that fails in its first step leaves none.
-!! The first rank writes them, and all ranks are told whether this succeeded.
+!> The files of curves, fields and printed tables. They are opened when the first row, fields or
+!! table are written (after a restart: at the start), so that a run that fails in its first step
+!! leaves none. The first rank writes them, and all ranks are told whether this succeeded.
 module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root
   use base_error, only: error_t
-  use base_file, only: remove_file
+  use base_file, only: cut_file, file_size, remove_file
   use base_kinds, only: wp
-  use byte_file, only: close_bytes
+  use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve
   use curve_values, only: quantity_value
@@ -15,6 +15,7 @@ module command_files
   implicit none
   private
   public :: remove_curves, open_files, write_rows, write_fields, close_files
+  public :: open_tables, keep_tables, cut_tables
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
@@ -41,8 +42,8 @@ contains
   end function curve_path
 
   !> Open the curves; the result file is opened when fields are written for the first time. After a
-  !! restart, both are cut back at once to the step of the checkpoint, even if nothing more is
-  !! written.
+  !! restart, both, and the printed tables, are cut back at once to the step of the checkpoint, even
+  !! if nothing more is written.
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -68,7 +69,11 @@ contains
         if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! this may be its last row
       end do
       files%curves_open = .true.
-      if (allocated(files%kept)) call open_fields(run, error)
+      if (.not. allocated(files%kept)) return
+      call open_fields(run, error)
+      if (allocated(error)) return
+      call cut_tables(run, error)
+      call agree(error)
     end associate
   end subroutine open_files
 
@@ -139,6 +144,57 @@ contains
     call agree(error)
     run%files%result_open = .not. allocated(error)
   end subroutine open_fields
+
+  !> Open the file of FEAP's tables for the first table. Tables are always appended, because
+  !! cut_tables may shorten the file at any time.
+  subroutine open_tables(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+
+    associate (files => run%files)
+      if (files%out_open) return
+      if (is_root() .and. files%printed == 0) call remove_file(tables_path(run))
+      if (is_root()) call open_bytes(files%out, tables_path(run), .true., error)
+      call agree(error)
+      files%out_open = .not. allocated(error)
+    end associate
+  end subroutine open_tables
+
+  !> Keep the tables that have been printed: the step to which they belong has been accepted, or
+  !! they were printed between two steps.
+  subroutine keep_tables(run)
+    type(run_t), intent(inout) :: run
+
+    if (.not. run%files%out_open) return
+    run%files%printed = 1
+    if (is_root()) run%files%printed = file_size(tables_path(run))
+  end subroutine keep_tables
+
+  !> Remove the tables of a step that is not accepted or, after a restart, all that were printed
+  !! after the checkpoint. The caller lets the ranks agree about an error.
+  subroutine cut_tables(run, error)
+    type(run_t), intent(inout) :: run
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: ignored
+
+    associate (files => run%files)
+      if (.not. (files%out_open .or. allocated(files%kept))) return
+      if (files%printed > 0) then
+        if (is_root()) call cut_file(tables_path(run), files%printed, error)
+        return
+      end if
+      if (is_root()) call close_bytes(files%out, ignored)
+      if (is_root()) call remove_file(tables_path(run))
+      files%out_open = .false.
+    end associate
+  end subroutine cut_tables
+
+  pure function tables_path(run) result(path)
+    type(run_t), intent(in) :: run
+    character(:), allocatable :: path
+
+    path = run%files%stem//'.out'
+  end function tables_path
 
   subroutine close_files(run, error)
     type(run_t), intent(inout) :: run

@@ -68,7 +68,7 @@ contains
     call cut_step(run%step, run%model, run%state, 'no convergence after ' &
                   //to_text(run%step%newton%iterations)//' iterations', &
                   command%record%place(1), error)
-    if (.not. allocated(error)) call take_outcome(run, STEP_REWOUND)
+    if (.not. allocated(error)) call take_outcome(run, STEP_REWOUND, error)
   end subroutine run_next
 
 end module command_loop

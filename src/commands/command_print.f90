@@ -5,7 +5,7 @@ module command_print
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: to_text
-  use byte_file, only: open_bytes
+  use command_files, only: open_tables, keep_tables
   use command_type, only: run_t, command_t, command_row_t, new_row, whole_field, check_fields
   use newton, only: form_system
   use newton_type, only: pass_t
@@ -47,13 +47,8 @@ contains
 
     call read_range(run, command, first, last, step, error)
     if (allocated(error) .or. run%program%dry .or. .not. run%plan%prints) return
-    if (.not. run%files%out_open) then
-      if (is_root()) call open_bytes(run%files%out, run%files%stem//'.out', &
-                                     allocated(run%files%kept), error)
-      call agree(error)
-      if (allocated(error)) return
-      run%files%out_open = .true.
-    end if
+    call open_tables(run, error)
+    if (allocated(error)) return
     if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
       call form_system(run%step%newton, run%model, run%state, run%step%newton%symmetric, pass, &
                        error)
@@ -61,6 +56,7 @@ contains
     end if
     if (is_root()) call write_table(run, command, first, last, step, error)
     call agree(error)
+    if (.not. (allocated(error) .or. run%step%open)) call keep_tables(run)
   end subroutine run_print
 
   subroutine write_table(run, command, first, last, step, error)

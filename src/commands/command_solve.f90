@@ -140,7 +140,7 @@ contains
         if (pass%ok) call show_iteration(run)
       end associate
     end if
-    call take_outcome(run, outcome)
+    call take_outcome(run, outcome, error)
   end subroutine iterate
 
   !> Is the current command executed once in a step, as in decks of linear problems?

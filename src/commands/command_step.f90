@@ -1,9 +1,10 @@
 !> Connects commands and steps: begins a step, acts on its outcome, closes it and writes what is
 !! due.
 module command_step
+  use base_agreement, only: agree
   use base_error, only: error_t
   use command_checkpoint, only: write_checkpoint, set_restart_point
-  use command_files, only: open_files, write_rows, write_fields
+  use command_files, only: open_files, write_rows, write_fields, keep_tables, cut_tables
   use command_type, only: run_t
   use command_watch, only: watch_step
   use linear_system, only: FULL
@@ -30,9 +31,10 @@ contains
 
   !> Act on the outcome of a step: when it has converged, the iteration loop ends; after a cut-back
   !! the command that began the step is executed next.
-  subroutine take_outcome(run, outcome)
+  subroutine take_outcome(run, outcome, error)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: outcome
+    type(error_t), allocatable, intent(out) :: error
 
     if (outcome == STEP_CONVERGED) call leave_loop(run%program)
     if (outcome /= STEP_REWOUND) return
@@ -40,6 +42,8 @@ contains
     run%program%counter = run%program%counter - 1 ! the main loop adds one
     run%plan%plot = .false.
     run%plan%save = .false.
+    call cut_tables(run, error)
+    call agree(error)
   end subroutine take_outcome
 
   !> Close the current step, if any, and write what is due. `rewound` is true if the step failed its
@@ -53,7 +57,9 @@ contains
     call close_step(run%step, run%model, run%state, current_place(run%program), outcome, error)
     rewound = outcome == STEP_REWOUND
     if (allocated(error)) return
-    call take_outcome(run, outcome)
+    call take_outcome(run, outcome, error)
+    if (allocated(error)) return
+    if (.not. rewound) call keep_tables(run)
     if (outcome /= STEP_ACCEPTED) return
     call watch_step(run)
     run%plan%closed_at = run%state%time

@@ -1,7 +1,7 @@
 !> A solution command: its row in the table, its record in the deck, and the run on which it acts.
 module command_type
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use base_text, only: key_of, quoted, to_text
   use base_timer, only: timers_t
   use byte_file, only: byte_file_t
@@ -16,7 +16,7 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, plan_t, program_t, loop_t, command_t, command_row_t, data_t, new_row, &
+  public :: run_t, plan_t, program_t, files_t, loop_t, command_t, command_row_t, data_t, new_row, &
             has_number, whole_field, check_fields
 
   !> Data records of a command, read before the run starts.
@@ -109,6 +109,9 @@ module command_type
     type(result_file_t) :: result
     type(curve_file_t), allocatable :: curve(:)
     type(byte_file_t) :: out                    !! FEAP's tables
+    !> Length of the file of FEAP's tables without those of the current step [byte]; other ranks
+    !! than the first only know whether it is 0.
+    integer(i8) :: printed = 0
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none

@@ -9,7 +9,7 @@ module run
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
   use command_doubts, only: warn_commands
-  use command_files, only: remove_curves, open_files, close_files
+  use command_files, only: remove_curves, open_files, close_files, cut_tables
   use command_line, only: options_t
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
@@ -65,6 +65,7 @@ contains
   subroutine execute(job, error)
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: ignored
     logical :: rewound, unsolved
 
     if (allocated(job%files%kept)) then
@@ -81,12 +82,14 @@ contains
       end if
       if (job%program%counter <= size(job%program%command)) then
         call execute_next(job, error)
-        if (allocated(error)) return
       else
         unsolved = job%step%open .and. .not. job%step%solved
         call finish_step(job, rewound, error)
-        if (allocated(error)) return
-        if (.not. rewound) exit
+        if (.not. (allocated(error) .or. rewound)) exit
+      end if
+      if (allocated(error)) then
+        call cut_tables(job, ignored)
+        return
       end if
       job%program%counter = job%program%counter + 1
     end do

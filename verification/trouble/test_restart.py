@@ -185,6 +185,43 @@ class Stops(Folder):
         """The pattern of the tangent must not depend on the couplings of the failed attempt."""
         self.stopped(TOP / "input/manual/arcl.inp", 59, 349)
 
+    def changed(self, name, *changes):
+        """The path of a deck that differs from that of the box in these pairs of texts."""
+        text = self.deck
+        for old, new in changes:
+            text = text.replace(old, new)
+        (self.at / f"{name}.inp").write_text(text)
+        return self.at / f"{name}.inp"
+
+    def test_the_interval_of_tplot_and_noprint_continue(self):
+        deck = self.changed(
+            "interval",
+            ("  LOOP,time", "  TPLOt,,2\n  NOPRint\n  LOOP,time"),
+            ("    SAVE\n", "    DISP,ALL\n    SAVE\n"),
+            ("ends ends\n", "ends ends\n\ndisp,27,3\n"),
+        )
+        self.stopped(deck, 25)
+
+    def test_printed_tables_after_the_checkpoint_are_removed(self):
+        """The run is stopped after a table of a step, and before the table of a later one."""
+        deck = self.changed("printed", ("    SAVE\n", "    DISP,ALL\n    REAC,,1,3\n    SAVE\n"))
+        self.stopped(deck, 15, 52)
+
+    def test_a_run_that_is_restarted_from_its_own_checkpoint_prints_no_table_twice(self):
+        deck = self.changed(
+            "printed", ("    SAVE\n", "    DISP,ALL\n"), ("END\n2 1", "SAVE\nEND\n2 1")
+        )
+        text = deck.read_text().replace("time,10", "time,5")
+        first = text.index("  LOOP,time")
+        loop = text[first : text.index("SAVE\n")]
+        deck.write_text(text.replace("SAVE\n", "SAVE\n" + loop))
+        self.assertEqual(self.run_bezel("printed.inp").returncode, 0)
+        printed = (self.at / "printed.out").read_text()
+        self.assertEqual(printed.count("Time"), 10)
+        done = self.run_bezel("--restart", "printed.restart.h5", "printed.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.at / "printed.out").read_text(), printed)
+
     def test_within_an_iteration_that_started_from_a_prediction(self):
         """The energy of the step is measured with the reactions at the start of the step."""
         self.stopped(TOP / "verification/soak/decks/friction.inp", 126)

@@ -1,10 +1,66 @@
-"""Printed tables have rows for all elements, whatever numbers the mesh file gives them, and show the
-state of the last solve.
+"""Printed tables are those of accepted steps, show the state of the last solve, and have rows for all
+elements, whatever numbers the mesh file gives them.
 """
 
 import shutil
 
 from verification.trouble.test_files import HERE, Folder
+
+
+class Steps(Folder):
+    """A deck whose steps have four iterations: those of length 1 do not converge."""
+
+    def setUp(self):
+        super().setUp()
+        self.deck = self.deck.replace(
+            "    LOOP,newton,20\n      TANG,,1\n    NEXT,newton\n    SAVE\n",
+            "    TANG,,1\n" * 4 + "    DISP,ALL\n",
+        )
+        self.deck = self.deck.replace("-way", "-3*way").replace("DT,,0.1", "DT,,1")
+        self.deck = self.deck.replace("time,10", "time,1")
+
+    def times(self, name):
+        """The times of the tables, and those of the rows of the curve."""
+        lines = (self.at / f"{name}.out").read_text().splitlines()
+        rows = (self.at / f"{name}_force.dat").read_text().splitlines()[1:]
+        return (
+            [float(line.split()[-1]) for line in lines if "Time" in line],
+            [float(row.split()[1]) for row in rows],
+        )
+
+    def test_steps_that_are_cut_back_leave_no_table(self):
+        text = self.deck.replace("DT,,1\n", "DT,,1\n  AUTO,,0.01,1\n")
+        (self.at / "auto.inp").write_text(text)
+        done = self.run_bezel("auto.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        tables, rows = self.times("auto")
+        self.assertGreater(len(rows), 1)
+        self.assertEqual(tables, rows)
+
+    def test_a_run_that_fails_keeps_the_tables_of_accepted_steps(self):
+        """If no step is accepted, no file remains."""
+        text = self.deck.replace("DT,,1\n", "DT,,1\n  AUTO,,0.9,1\n")
+        (self.at / "fails.inp").write_text(text)
+        self.assertEqual(self.run_bezel("fails.inp").returncode, 2)
+        self.assertFalse((self.at / "fails.out").exists())
+        text = text.replace("    TANG,,1\n" * 4, "    TANG,,1\n" * 2)
+        text = text.replace("  DT,,1", "  DT,,0.01\n  LOOP,first,2\n    TIME\n" + "    TANG,,1\n" * 6
+                            + "    DISP,ALL\n  NEXT\n  DT,,1")  # fmt: skip
+        (self.at / "late.inp").write_text(text)
+        self.assertEqual(self.run_bezel("late.inp").returncode, 2)
+        tables, rows = self.times("late")
+        self.assertEqual(tables, [0.01, 0.02])
+        self.assertEqual(tables, rows)
+
+    def test_tables_between_two_steps_remain(self):
+        """PROP closes the step; the table after it belongs to no step that could be rejected."""
+        text = self.deck.replace("END\n2 1", "  PROP,,2\n  DISP,ALL\nEND\n2 1")
+        text = text.replace("ends ends\n", "ends ends\n\n\n")
+        text = text.replace("    TANG,,1\n" * 4, "    TANG,,1\n" * 12)
+        (self.at / "between.inp").write_text(text)
+        done = self.run_bezel("between.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(self.times("between")[0], [1.0, 1.0])
 
 
 class Stresses(Folder):
