@@ -20,6 +20,7 @@ contains
     type(spline_surface_t), intent(inout) :: surface
     type(error_t), allocatable, intent(out) :: error
     type(spline_set_t), allocatable :: set(:)
+    logical :: found(surface%nelem)     ! marks the elements of the set that were read before
     integer :: e, i, list, n
 
     i = member(text, json, 1, 'sets')
@@ -43,6 +44,7 @@ contains
       end if
       allocate (set(n)%elem(json%length(list)))
       e = first_of(json, list)
+      found = .false.
       do i = 1, size(set(n)%elem)
         call to_integer(text, json, e, set(n)%name, set(n)%elem(i), error)
         if (allocated(error)) return
@@ -54,6 +56,14 @@ contains
                             //to_text(surface%nelem - 1), error, 'elements are counted from 0')
           return
         end if
+        if (found(set(n)%elem(i))) then
+          text%at = json%at(e)
+          call fail_in_file(text, 'set '//quoted(set(n)%name)//' contains element ' &
+                            //to_text(set(n)%elem(i) - 1)//' twice', error, &
+                            'name each element of a set once')
+          return
+        end if
+        found(set(n)%elem(i)) = .true.
         e = json%next(e)
       end do
       list = json%next(list)
