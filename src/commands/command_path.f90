@@ -9,7 +9,6 @@ module command_path
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
   use dynamics_type, only: new_dynamics, set_rates, BACKWARD_EULER, NEWMARK, HHT
-  use energy_type, only: open_book
   use mesh, only: is_rigid
   implicit none
   private
@@ -95,7 +94,6 @@ contains
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
     end if
-    if (.not. run%state%energy%on) call open_book(run%state%energy, run%model%mesh%nnode)
   end subroutine run_arcl
 
   !> Switch dynamics on or off (FEAP). When it is switched on, the bodies start from rest, except in

@@ -166,7 +166,7 @@ contains
     real(wp) :: stored
     integer :: c
 
-    if (size(model%contact) == 0 .or. .not. state%energy%on .or. state%dynamics%on) return
+    if (size(model%contact) == 0 .or. state%dynamics%on) return
     if (any(model%contact%cohesive%given)) return
     stored = sum([(sum(state%contact(c)%pressed), c=1, size(model%contact))])
     associate (energy => state%energy)

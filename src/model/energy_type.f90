@@ -10,7 +10,6 @@ module energy_type
   !! rule). The energy that contact stores and dissipates is instead computed from the contact laws
   !! (contact_energy), and compared with the work of the contact forces.
   type :: energy_t
-    logical :: on = .false.
     real(wp) :: outer = 0.0_wp        !! work of loads and of moving supports [F L]
     real(wp) :: error = 0.0_wp        !! bound on the error of `outer` (error_of_step) [F L]
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated numerically [F L]
@@ -43,7 +42,6 @@ contains
 
     allocate (energy%f_outer(3, nnode), energy%f_inert(3, nnode), energy%f_contact(3, nnode), &
               energy%rise(3, nnode), source=0.0_wp)
-    energy%on = .true.
   end subroutine open_book
 
   !> At the end of a step, add the work that the mean forces of the step do along du.
@@ -53,7 +51,6 @@ contains
     real(wp), intent(in) :: f_outer(:, :), f_inert(:, :), f_contact(:, :) !! (3, nnode) [F]
     real(wp) :: rise(3, size(du, 2))
 
-    if (.not. energy%on) return
     rise = f_outer - energy%f_outer
     energy%error = energy%error + error_of_step(du, rise, du_before, energy%rise, &
                                                 abs(f_outer) + abs(energy%f_outer) > 0.0_wp)

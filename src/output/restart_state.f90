@@ -6,7 +6,7 @@ module restart_state
   use base_error, only: error_t
   use contact_pair, only: contact_points_t, contact_state_t, control_points_t, friction_points_t
   use dynamics_type, only: dynamics_t, new_dynamics
-  use energy_type, only: energy_t, open_book
+  use energy_type, only: energy_t
   use load_curve, only: load_table_t
   use model, only: state_t
   use restart_archive, only: archive_t, exchange, exchange_list, enter_group, numbered
@@ -49,7 +49,7 @@ contains
       call exchange_contact(archive, group//numbered('/contact', c), state%contact(c), error)
     end do
     call exchange_dynamics(archive, group//'/dynamics', state%dynamics, size(state%u, 2), error)
-    call exchange_energy(archive, group//'/energy', state%energy, size(state%u, 2), error)
+    call exchange_energy(archive, group//'/energy', state%energy, error)
   end subroutine exchange_state
 
   !> Exchange the history of one contact, and the data from which its results in the last step
@@ -125,38 +125,31 @@ contains
     end if
   end subroutine exchange_dynamics
 
-  !> Exchange the energy balance, if it is kept.
-  subroutine exchange_energy(archive, group, energy, nnode, error)
+  !> Exchange the energy balance.
+  subroutine exchange_energy(archive, group, energy, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
     type(energy_t), intent(inout) :: energy
-    integer, intent(in) :: nnode
     type(error_t), allocatable, intent(inout) :: error
-    logical :: stored
 
-    stored = energy%on
     call enter_group(archive, group, error)
-    call exchange(archive, group//'/stored', stored, error)
-    if (stored) then
-      if (.not. archive%writes) call open_book(energy, nnode)
-      call exchange(archive, group//'/outer', energy%outer, error)
-      call exchange(archive, group//'/error', energy%error, error)
-      call exchange(archive, group//'/inertia', energy%inertia, error)
-      call exchange(archive, group//'/kinetic', energy%kinetic, error)
-      call exchange(archive, group//'/contact', energy%contact, error)
-      call exchange(archive, group//'/penetration', energy%penetration, error)
-      call exchange(archive, group//'/penetration_share', energy%penetration_share, error)
-      call exchange(archive, group//'/moving', energy%moving, error)
-      call exchange(archive, group//'/excess_before', energy%excess_before, error)
-      call exchange(archive, group//'/excess_without', energy%excess_without, error)
-      call exchange(archive, group//'/largest', energy%largest, error)
-      call exchange(archive, group//'/growth', energy%growth, error)
-      call exchange(archive, group//'/growth_time', energy%growth_time, error)
-      call exchange(archive, group//'/f_outer', energy%f_outer, error)
-      call exchange(archive, group//'/f_inert', energy%f_inert, error)
-      call exchange(archive, group//'/f_contact', energy%f_contact, error)
-      call exchange(archive, group//'/rise', energy%rise, error)
-    end if
+    call exchange(archive, group//'/outer', energy%outer, error)
+    call exchange(archive, group//'/error', energy%error, error)
+    call exchange(archive, group//'/inertia', energy%inertia, error)
+    call exchange(archive, group//'/kinetic', energy%kinetic, error)
+    call exchange(archive, group//'/contact', energy%contact, error)
+    call exchange(archive, group//'/penetration', energy%penetration, error)
+    call exchange(archive, group//'/penetration_share', energy%penetration_share, error)
+    call exchange(archive, group//'/moving', energy%moving, error)
+    call exchange(archive, group//'/excess_before', energy%excess_before, error)
+    call exchange(archive, group//'/excess_without', energy%excess_without, error)
+    call exchange(archive, group//'/largest', energy%largest, error)
+    call exchange(archive, group//'/growth', energy%growth, error)
+    call exchange(archive, group//'/growth_time', energy%growth_time, error)
+    call exchange(archive, group//'/f_outer', energy%f_outer, error)
+    call exchange(archive, group//'/f_inert', energy%f_inert, error)
+    call exchange(archive, group//'/f_contact', energy%f_contact, error)
+    call exchange(archive, group//'/rise', energy%rise, error)
   end subroutine exchange_energy
 
   !> Exchange the load tables. When they are read, their number comes from the file.

@@ -29,11 +29,9 @@ contains
     real(wp), allocatable :: du(:, :), outer(:, :)
 
     allocate (du, source=state%u - state%u_step)
-    if (state%energy%on) then
-      allocate (outer, source=asm%f_ext)
-      where (model%eq == 0) outer = outer + state%reaction
-      call book_work(state%energy, du, state%last_increment, outer, asm%f_inert, asm%f_contact)
-    end if
+    allocate (outer, source=asm%f_ext)
+    where (model%eq == 0) outer = outer + state%reaction
+    call book_work(state%energy, du, state%last_increment, outer, asm%f_inert, asm%f_contact)
     if (allocated(state%dynamics%v)) then
       call advance(state%dynamics, du, model%eq == 0, state%dt, state%reaction - asm%f_inert)
       call follow(model%mesh%constraint, state%dynamics%v)

@@ -93,7 +93,7 @@ contains
   pure logical function moves_by_deck(state) result(yes)
     type(state_t), intent(in) :: state
 
-    yes = state%energy%on .and. state%dynamics%on .and. state%dynamics%density < 0.0_wp
+    yes = state%dynamics%on .and. state%dynamics%density < 0.0_wp
   end function moves_by_deck
 
   !> Excess of the energies of contact and motion over the work done on them [F L].

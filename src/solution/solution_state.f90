@@ -3,7 +3,6 @@ module solution_state
   use base_kinds, only: wp
   use contact_bond, only: find_bonds
   use contact_history, only: new_contact_state, restore_contact_step, keep_contact_step
-  use curve_type, only: Q_BOOK
   use dynamics_type, only: set_rates, new_dynamics
   use energy_type, only: open_book
   use load_curve, only: table_factor, table_slope
@@ -20,8 +19,7 @@ contains
   subroutine new_state(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(out) :: state
-    logical :: keeps_energy
-    integer :: b, i, n
+    integer :: b, n
 
     n = model%mesh%nnode
     allocate (state%u(3, n), state%u_step(3, n), state%u_base(3, n), state%last_increment(3, n), &
@@ -35,16 +33,10 @@ contains
         allocate (state%history(b)%trial(n, block%nelem), source=0.0_wp)
       end associate
     end do
-    ! Curves may need the energy balance. Contact may need it too, to continue the path with
-    ! inertia.
-    keeps_energy = size(model%contact) > 0
-    do i = 1, size(model%curve)
-      keeps_energy = keeps_energy .or. any(model%curve(i)%quantity(:)%id == Q_BOOK)
-    end do
-    if (keeps_energy) then
-      call open_book(state%energy, model%mesh%nnode)
-      call new_dynamics(state%dynamics, model%mesh%nnode)
-    end if
+    ! Even if this run does not use the balance, one that continues from its checkpoint may do so.
+    call open_book(state%energy, model%mesh%nnode)
+    ! Contact may have to continue the path with inertia.
+    if (size(model%contact) > 0) call new_dynamics(state%dynamics, model%mesh%nnode)
     allocate (state%contact(size(model%contact)))
     do b = 1, size(model%contact)
       call new_contact_state(model%contact(b), state%contact(b))

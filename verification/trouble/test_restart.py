@@ -119,6 +119,24 @@ class Restart(Folder):
         for found, wanted in zip(end["next"], end["whole"], strict=True):
             self.assertAlmostEqual(found, wanted, 9)
 
+    def test_the_balance_goes_on_from_a_deck_without_one(self):
+        """BOOK in the second deck includes the work of the steps before the checkpoint."""
+        self.deck = self.deck.replace("ends = 1", "ends = 2")
+        (self.at / "box.inp").write_text(self.deck)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        booked = self.deck.replace("a 3- 3", "a 3- 3\n  BOOK WORK\n  BOOK IMBAlance")
+        done = self.continued(text=booked)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        (self.at / "whole.inp").write_text(booked.replace("time,10", "time,20"))
+        self.assertEqual(self.run_bezel("whole.inp").returncode, 0)
+        end = {}
+        for name in ("next", "whole"):
+            row = (self.at / f"{name}_force.dat").read_text().splitlines()[-1].split()
+            end[name] = [float(word) for word in [row[1], *row[-2:]]]
+        self.assertGreater(end["whole"][1], 0.0)
+        for found, wanted in zip(end["next"], end["whole"], strict=True):
+            self.assertAlmostEqual(found, wanted, 12)
+
     def test_another_mesh_file_is_refused(self):
         mesh = self.at / "mesh.inc"
         mesh.write_text("  BOX 0 0 0  1 1 lz\n")
