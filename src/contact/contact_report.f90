@@ -36,8 +36,9 @@ module contact_report
 
 contains
 
-  !> Before a step is accepted, log which contacts it has closed or opened, and warn about points
-  !! that were in contact and are now deeper than DEPTh, and about bonds that break suddenly.
+  !> Log which contacts a step has closed or opened, and warn about points that were in contact and
+  !! are now deeper than DEPTh, and about bonds that break suddenly. The results of the step at the
+  !! integration points must have been set (accept_contact), but not kept (accept_step_state).
   subroutine report_contact_changes(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
@@ -46,17 +47,16 @@ contains
 
     do c = 1, size(model%contact)
       associate (contact => model%contact(c), side => state%contact(c)%side)
-        do k = 1, 2
-          n(k) = count(side(k)%state_step /= OPEN .and. side(k)%state == OPEN &
-                       .and. side(k)%closest > 0 .and. side(k)%gap < -contact%depth)
-        end do
-        if (sum(n) > 0 .and. .not. state%contact(c)%depth_warned) then
-          state%contact(c)%depth_warned = .true.
-          call warn("contact '"//contact%name//"': "//to_text(sum(n)) &
-                    //' integration points that were in contact are now deeper than DEPTh ' &
-                    //to_text(contact%depth)//', where contact no longer acts: the bodies ' &
-                    //'pass through each other', contact%place, &
-                    'use a stiffer penalty or a larger DEPTh')
+        if (.not. state%contact(c)%depth_warned) then
+          n = count_lost(contact, model%mesh%xr + state%u, state%contact(c))
+          if (sum(n) > 0) then
+            state%contact(c)%depth_warned = .true.
+            call warn("contact '"//contact%name//"': "//to_text(sum(n)) &
+                      //' integration points that were in contact are now deeper than DEPTh ' &
+                      //to_text(contact%depth)//', where contact no longer acts: the bodies ' &
+                      //'pass through each other', contact%place, &
+                      'use a stiffer penalty or a larger DEPTh')
+          end if
         end if
         call report_break(contact, model%mesh%xr, state, state%contact(c))
         n = [(count(side(k)%state /= OPEN), k=1, 2)]
@@ -71,6 +71,47 @@ contains
       end associate
     end do
   end subroutine report_contact_changes
+
+  !> Count the points of each side that were in contact at the start of the step, and are now deeper
+  !! than DEPTh. The search for projections near a surface does not find points that are deeper than
+  !! DEPTh below all of it. Such points are therefore projected again, at any distance.
+  function count_lost(contact, x, state) result(n)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
+    type(contact_state_t), intent(in) :: state
+    integer :: n(2)
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(foot_t) :: foot
+    real(wp) :: xp(3), a(3, 2), b(3, 3)
+    integer :: e, i, k, q
+    logical :: placed
+
+    n = 0
+    placed = .false.
+    do k = 1, 2
+      associate (points => state%side(k))
+        do i = 1, size(points%state)
+          if (points%state_step(i) == OPEN .or. points%state(i) /= OPEN) cycle
+          if (points%closest(i) > 0) then
+            if (points%gap(i) < -contact%depth) n(k) = n(k) + 1
+            cycle
+          end if
+          if (contact%self) cycle
+          if (.not. placed) call place_surfaces(contact, x, shape, grid)
+          placed = .true.
+          e = (i - 1)/contact%nq + 1
+          q = mod(i - 1, contact%nq) + 1
+          call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), xp, a, b)
+          foot%elem = points%closest_step(i)
+          foot%xi = points%closest_xi_step(:, i)
+          call project(contact%side(3 - k), shape(3 - k), grid(3 - k), xp, foot)
+          if (foot%elem == 0 .or. foot%gap >= -contact%depth) cycle
+          if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) < 0.0_wp) n(k) = n(k) + 1
+        end do
+      end associate
+    end do
+  end function count_lost
 
   !> Warn if most bonds of a contact break within one step, before which they had not reached their
   !! strength: no row of a curve then shows the largest force. Steps in which the inertia of

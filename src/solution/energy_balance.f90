@@ -5,6 +5,7 @@ module energy_balance
   use constraint, only: follow
   use contact_assembly, only: accept_contact
   use contact_energy, only: bond_energy, contact_energies
+  use contact_report, only: report_contact_changes
   use curve_type, only: B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, &
                         B_BONDS, B_DAMAGE, B_VISCOUS, B_CREATED, B_ERROR
   use dynamics_type, only: advance
@@ -20,7 +21,8 @@ module energy_balance
 
 contains
 
-  !> Accept a converged step: add its work to the balance, update the rates, and keep the histories.
+  !> Accept a converged step: add its work to the balance, update the rates, report what it changes
+  !! in contacts, and keep the histories.
   !! state%reaction and the forces of the assembler are those of the converged displacements.
   subroutine accept_solution(asm, model, state)
     type(assembler_t), intent(inout) :: asm
@@ -40,6 +42,7 @@ contains
     state%energy%kinetic = 0.0_wp ! also if a checkpoint of a motion is continued without inertia
     if (allocated(asm%mass)) state%energy%kinetic = kinetic_energy(model, asm%mass, state)
     call accept_contact(asm%contact, model, state)
+    call report_contact_changes(model, state)
     call accept_step_state(state)
   end subroutine accept_solution
 

@@ -17,7 +17,7 @@ module step
   use contact_missed, only: follow_gaps
   use contact_pair, only: HALFPASS, MORTAR
   use contact_type, only: SMOOTHING
-  use contact_report, only: report_contact_changes, measure_contacts, find_jump
+  use contact_report, only: measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
   use continuation_type, only: PATH_OFF
   use convergence, only: turns_back
@@ -409,7 +409,6 @@ contains
       call report_stabilisation(step%newton%hold, model, state, asm%f_ext, asm%anchors, &
                                 sum_of_loads(step%newton, model, state))
     end associate
-    call report_contact_changes(model, state)
     call follow_rounding(step, model, state, pass)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)

@@ -390,3 +390,25 @@ class Overlap(Folder):
         self.assertEqual(said.count("overlap at the start"), 1)
         said = self.check("same_room", ("FIX,low", f"{more}FIX,low"))
         self.assertIn("'a' and 'c' overlap at the start", said)
+
+
+class Changes(Folder):
+    def test_the_log_says_when_a_contact_closes_and_opens(self):
+        """The contacts of the deck have the default scheme and BALAnced."""
+        shutil.copy(SILENT / "through_by_inertia.inp", self.at / "deck.inp")
+        done = self.run_bezel("deck.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = (self.at / "deck.log").read_text().splitlines()
+        for name in ("mortar", "balanced"):
+            with self.subTest(name):
+                self.assertEqual(
+                    [
+                        line
+                        for line in lines
+                        if line.startswith(f"contact {name}: ") and line.endswith(" in contact")
+                    ],
+                    [
+                        f"contact {name}: closed, 25 + 0 points in contact",
+                        f"contact {name}: opened, no points in contact",
+                    ],
+                )
