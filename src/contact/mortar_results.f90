@@ -24,6 +24,10 @@ module mortar_results
   private
   public :: accept_mortar, measure_corners, spread_cells
 
+  !> Rate of slip in a step in which no time passes: large, but finite even when multiplied by a
+  !! time step. The value serves only to expect slip in the next step.
+  real(wp), parameter :: FAST = sqrt(huge(1.0_wp))
+
   !> Nodes of one side to which values are spread.
   type :: target_t
     integer, allocatable :: at(:)            !! (size(surface%node)) see number_nodes
@@ -247,7 +251,7 @@ contains
     type(friction_points_t), intent(inout) :: rubbed
     real(wp), intent(inout) :: limit_force   !! integral of the friction limit [F]
     real(wp), intent(inout) :: dissipated    !! [F L]
-    real(wp) :: limit(side%cells%n)
+    real(wp) :: limit(side%cells%n), rate(side%cells%n)
     logical :: rubs(side%cells%n)
     integer :: e, i, n
 
@@ -265,8 +269,9 @@ contains
       rubbed%elem = pack(cells%elem(:n), rubs)
       rubbed%xi = reshape(pack(cells%xi(:, :n), spread(rubs, 1, 2)), [2, count(rubs)])
       rubbed%elastic = reshape(pack(side%elastic, spread(rubs, 1, 3)), [3, count(rubs)])
-      rubbed%slip_rate = pack(merge(side%slip, 0.0_wp, side%state == SLIP), rubs) &
-                         /max(dt, tiny(1.0_wp))
+      rate = merge(side%slip, 0.0_wp, side%state == SLIP)
+      rate = rate/max(dt, rate/FAST, tiny(dt))
+      rubbed%slip_rate = pack(rate, rubs)
       rubbed%limit = pack(limit, rubs)
       if (.not. contact%friction%given) return
       dissipated = dissipated + energy_share(contact)*slip_work(cells%weight(:n), side%slip(:n), &
