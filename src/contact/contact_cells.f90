@@ -7,7 +7,8 @@
 !! clipped, in its own plane, by the facets of the other side that face it. The pieces are mapped
 !! back to the chart of the element (surface_chart), whose coordinates are the parameters or, on a
 !! triangle, coordinates of the triangle. Parts of a facet beyond the border of the other surface
-!! belong to no cell.
+!! belong to no cell. Where a facet faces several layers of the other side, points that face a layer
+!! farther away than DEPTh behind a nearer one are left out (cell_cover).
 !!
 !! The points of the cells have reference areas as weights, so that only the positions vary as long
 !! as the cells are kept.
@@ -15,6 +16,7 @@ module contact_cells
   use base_kinds, only: wp
   use base_threads, only: thread_count
   use cell_border, only: part_t, find_border, bend_functions, NBEND
+  use cell_cover, only: view_t, find_covers, is_hidden
   use contact_facets, only: facets_t, find_near, FACING
   use contact_pair, only: contact_t, surface_t
   use polygon, only: clip, signed_area, integrate_polygon, MOST_CORNERS
@@ -137,15 +139,16 @@ contains
     real(wp) :: corner(2, MOST_CORNERS), zeta(2, MOST_CORNERS), bend(2, NBEND, MOST_CORNERS)
     real(wp), allocatable :: point(:, :), weight(:)
     real(wp) :: frame(3, 3), quad(2, 4), x(3), a(3, 2)
-    integer, allocatable :: near(:)
+    integer, allocatable :: near(:), cover(:)
     integer :: tag(MOST_CORNERS)
-    integer :: e, flat, i, j, m, n, nnear, npoint, q
+    integer :: e, flat, i, j, m, n, ncover, nnear, npoint, q
     type(part_t) :: part
+    type(view_t) :: view
     logical :: mapped
 
     associate (own => contact%side(k), mine => facets(k), theirs => facets(3 - k))
       n = MOST_CORNERS/2*rule%most**2
-      allocate (near(theirs%n), point(2, n), weight(n))
+      allocate (near(theirs%n), cover(theirs%n), point(2, n), weight(n))
       points%n = 0
       call reserve(points, 16*rule%least**2)
       e = 0
@@ -155,16 +158,14 @@ contains
           flat = collapsed_side(own, e)
         end if
         call find_near(mine, i, theirs, reach, near, nnear)
+        call keep_facing(contact, shape(k), reference, mine, i, theirs, near, nnear)
         if (nnear == 0) cycle
+        view%n = 0
         call make_frame(mine%x(:, :, i), mine%normal(:, i), frame)
         quad = matmul(transpose(frame(:, :2)), mine%x(:, :, i) - spread(mine%x(:, 1, i), 2, 4))
         if (.not. signed_area(quad) > 0.0_wp) cycle
         part = part_t(e, mine%from(:, i), mine%to(:, i))
         do j = 1, nnear
-          if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
-          if (contact%self) then
-            if (.not. may_touch(own, reference, shape(k), e, theirs%elem(near(j)))) cycle
-          end if
           call overlap(mine%x(:, 1, i), frame, quad, theirs%x(:, :, near(j)), &
                        contact%depth, reach, m, corner, tag, zeta)
           if (m == 0) cycle
@@ -188,9 +189,16 @@ contains
           ! When its borders are corrected, a piece can lose its area. It is dropped, because
           ! otherwise rounding would decide whether its points have a history of friction.
           if (abs(sum(weight(:npoint))) <= NO_AREA*product(part%to - part%from)) cycle
+          call find_covers(view, mine%x(:, 1, i), frame, theirs, near(:nnear), j, contact%depth, &
+                           cover, ncover)
           call reserve(points, npoint)
           do q = 1, npoint
             if (.not. abs(weight(q)) > 0.0_wp) cycle
+            if (ncover > 0) then
+              call chart_point(own, shape(k), e, flat, point(:, q), x, a)
+              x = matmul(x - mine%x(:, 1, i), frame)
+              if (is_hidden(view, j, cover(:ncover), x, contact%depth)) cycle
+            end if
             points%n = points%n + 1
             n = points%n
             points%elem(n) = e
@@ -206,6 +214,28 @@ contains
       end do
     end associate
   end subroutine cut_facets
+
+  !> Keep those of the nearby facets that face facet i and may touch it.
+  pure subroutine keep_facing(contact, shape, reference, mine, i, theirs, near, nnear)
+    type(contact_t), intent(in) :: contact
+    type(shape_t), intent(in) :: shape, reference !! of this side, now and before it deformed
+    type(facets_t), intent(in) :: mine, theirs
+    integer, intent(in) :: i
+    integer, intent(inout) :: near(:), nnear
+    integer :: j, n
+
+    n = 0
+    do j = 1, nnear
+      if (dot_product(mine%normal(:, i), theirs%normal(:, near(j))) > FACING) cycle
+      if (contact%self) then
+        if (.not. may_touch(contact%side(1), reference, shape, mine%elem(i), &
+                            theirs%elem(near(j)))) cycle
+      end if
+      n = n + 1
+      near(n) = near(j)
+    end do
+    nnear = n
+  end subroutine keep_facing
 
   !> The quadrature rule of a contact.
   subroutine find_rule(contact, rule)
