@@ -54,7 +54,9 @@ contains
       passes = 1
       if (opening%holds_time .and. control%automatic) then
         passes = max(1, control%passed)
-        if (.not. on_target(control)) passes = 0
+        ! a constrained step in which nothing is solved ends on its target (close_step)
+        if (.not. (on_target(control) .or. run%step%newton%constraint%on .and. &
+                   .not. run%step%solved)) passes = 0
       end if
       program%loop(top)%count = program%loop(top)%count + passes
       if (program%loop(top)%count <= program%loop(top)%limit) then

@@ -7,9 +7,11 @@ module command_path
   use base_text, only: quoted, to_text
   use command_step, only: finish_solved_step
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
-  use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC
+  use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC, &
+                               BY_INERTIA
   use dynamics_type, only: new_dynamics, set_rates, BACKWARD_EULER, NEWMARK, HHT
   use mesh, only: is_rigid
+  use step, only: return_to_load
   implicit none
   private
   public :: path_rows
@@ -36,7 +38,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(continuation_t) :: default
     real(wp) :: x
-    logical :: given
+    logical :: given, rewound
+    integer :: before
 
     call check_fields(command, merge(0, 1, command%option == 'off'), &
                       trim(run%program%row(command%row)%usage), error)
@@ -74,7 +77,10 @@ contains
         "note: the number of FEAP's arc length method is ignored")
       return
     end if
+    call finish_solved_step(run, rewound, error)
+    if (allocated(error) .or. rewound) return
     associate (path => run%step%continuation)
+      before = path%method
       path%given = .true.
       path%density = -1.0_wp
       select case (command%option)
@@ -90,6 +96,7 @@ contains
         path%method = PATH_RELEASE
         path%largest_release = merge(x, default%largest_release, x > 0.0_wp)
       end select
+      if (path%method /= before) call return_to_load(run%step, run%model, run%state)
     end associate
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
@@ -135,6 +142,9 @@ contains
     if (allocated(error) .or. run%program%dry) return
     call finish_solved_step(run, rewound, error)
     if (allocated(error) .or. rewound) return
+    if (.not. off .or. run%step%continuation%active == BY_INERTIA) then
+      call return_to_load(run%step, run%model, run%state)
+    end if
     associate (dynamics => run%state%dynamics)
       if (.not. (off .or. dynamics%on .or. continues_motion(run))) then
         call new_dynamics(dynamics, run%model%mesh%nnode)

@@ -3,6 +3,7 @@ module command_tplot
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: to_text
+  use command_step, only: finish_solved_step
   use command_type, only: run_t, command_t, command_row_t, new_row, data_t, whole_field, &
                           check_fields
   use curve_type, only: curve_t, quantity_t, Q_NODAL, Q_DISP
@@ -32,10 +33,13 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     integer :: every
+    logical :: rewound
 
     call whole_field(command, 1, every, error)
     call check_fields(command, 1, 'TPLOt,,interval', error, option=.false.)
     if (allocated(error) .or. run%program%dry) return
+    call finish_solved_step(run, rewound, error) ! its row is written with the former interval
+    if (allocated(error) .or. rewound) return
     run%plan%tplot_every = max(1, every)
   end subroutine run_tplot
 

@@ -19,7 +19,7 @@ module step
   use contact_type, only: SMOOTHING
   use contact_report, only: measure_contacts, find_jump
   use continuation, only: begin_increment, change_method, adapt_method
-  use continuation_type, only: PATH_OFF
+  use continuation_type, only: PATH_OFF, BY_INERTIA, path_constraint_t, end_trial
   use convergence, only: turns_back
   use edge_contact, only: find_edge_contact, edge_text, keep_edge_contact
   use energy_balance, only: accept_solution
@@ -39,7 +39,8 @@ module step
   implicit none
   private
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
-  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, abandon_step, close_step
+  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, return_to_load, abandon_step, &
+            close_step
 
   !> A body counts as lost if its displacement in a step is larger than this, relative to the size
   !! of the model plus the largest prescribed displacement.
@@ -260,6 +261,26 @@ contains
     step%solved = .false.
   end subroutine rewind_step
 
+  !> Return to load control, without arc length, release of bonds or inertia of the continuation. A
+  !! step that has begun, but in which nothing was solved, begins again.
+  subroutine return_to_load(step, model, state)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer :: left
+
+    associate (path => step%continuation, control => step%control)
+      if (path%active == BY_INERTIA) state%dynamics%on = .false.
+      call end_trial(path)
+      if (.not. step%newton%constraint%on) return
+      step%newton%constraint = path_constraint_t()
+      if (.not. step%open) return
+      left = nint((step%loop_end - control%origin)/control%dt) - control%target
+      call rewind_step(step, state)
+      call begin_step(step, model, state, left)
+    end associate
+  end subroutine return_to_load
+
   !> Forget the current step when a run is stopped, and undo what the step has set: a restarted run
   !! begins the step again, and counts iterations and cut-backs as if the run had not been stopped.
   subroutine abandon_step(step, state)
@@ -374,6 +395,10 @@ contains
     if (.not. step%open) return
     step%open = .false.
     if (.not. step%solved) then          ! nothing was solved: there is no step to accept
+      if (step%timed .and. step%newton%constraint%on) then
+        state%time = step%control%to     ! time passes nevertheless
+        call set_end(step%control, state%time, on_target=.true.)
+      end if
       call restore_step(state, step%start_step, state%time)
       if (step%timed) call accept_time(step%control, 0)
       if (step%timed) call warn_lost_time(model, state, place, step%total%lost_time)
