@@ -7,7 +7,7 @@ module input_check
   use base_text, only: to_text, quoted, nearest, lower
   use element_type, only: cell_t, topology_t
   use input_contact, only: check_contacts
-  use input_draft, only: draft_t
+  use input_draft, only: draft_t, patch_entry_t
   use input_lists, only: MAX_NUMBER
   use input_npatch, only: npatch_name
   use input_rigid, only: check_rigid
@@ -80,6 +80,7 @@ contains
       call check_where(draft, draft%support(i)%at)
     end do
     do i = 1, draft%nmotion
+      call settle_sides(draft%patch, draft%motion(i)%at)
       call check_where(draft, draft%motion(i)%at)
     end do
     do i = 1, draft%npressure
@@ -95,6 +96,7 @@ contains
     end do
     do i = 1, size(draft%contact)
       do j = 1, 2
+        call settle_sides(draft%patch, draft%contact(i)%at(j))
         call check_where(draft, draft%contact(i)%at(j))
       end do
     end do
@@ -177,6 +179,21 @@ contains
     draft%model%material(m)%enhanced = .false.
     draft%model%material(m)%nurbs_points = 0
   end subroutine check_words
+
+  !> A mesh or a spline has no SIDEs: there the word is the name of a group.
+  pure subroutine settle_sides(patch, at)
+    type(patch_entry_t), intent(in) :: patch(:)
+    type(where_t), intent(inout) :: at
+    integer :: p
+
+    if (at%type /= W_FACES .or. all(lower(at%face) /= ['side ', 'sides'])) return
+    do p = 1, size(patch)
+      if (all(patch(p)%spec%geometry /= [GEO_MESH, GEO_SPLINE])) cycle
+      if (lower(patch(p)%spec%name) /= lower(at%body)) cycle
+      at%type = W_GROUP
+      at%mask = 0
+    end do
+  end subroutine settle_sides
 
   !> Check that the body that a WHERE names exists, and that it has the named face or group.
   subroutine check_where(draft, at)

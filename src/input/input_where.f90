@@ -87,8 +87,8 @@ contains
       place%type = W_FACES
       place%face_place = record%place(i + 1)
       place%face = record%text(i + 1)
-      select case (record%key(i + 1))
-      case ('side')
+      select case (lower(place%face)) ! a group may be called sidewall
+      case ('side', 'sides')
         place%mask = 15
       case ('all')
         place%mask = 63
