@@ -315,8 +315,10 @@ contains
 
     associate (r => draft%condition(i))
       yes = .not. (r%adds .or. r%word == R_CSUR .or. allocated(r%surface))
-      if (yes) yes = draft%nodes%after(kind_of(r%word)) >= i .or. &
-                     any([(is_overtaken(draft, i, j), j=i + 1, draft%ncondition)])
+      if (yes .and. allocated(draft%nodes%after)) then
+        if (any(draft%nodes%after(kind_of(r%word), :) >= i)) return
+      end if
+      if (yes) yes = any([(is_overtaken(draft, i, j), j=i + 1, draft%ncondition)])
     end associate
   end function replaces_later
 
@@ -363,11 +365,15 @@ contains
         end associate
         if (found) exit
       end do
-      if (.not. found .and. any(lost) .and. draft%nodes%after(kind) >= i) then
-        found = .true.
+      if (.not. found .and. any(lost) .and. allocated(draft%nodes%after)) then
+        on = .false.
+        do j = 1, min(size(new), size(draft%nodes%after, 2))
+          if (draft%nodes%after(kind, j) >= i) on(new(j)) = .true.
+        end do
+        n = findloc(on .and. any(lost, 1), .true., 1)
+        found = n > 0
         word = trim(NODAL_WORDS(kind))
         other = 'a later '//word
-        n = findloc(any(lost, 1), .true., 1)
       end if
       if (.not. found) return
       hint = 'give both load numbers in '//trim(WORDS(r%word))

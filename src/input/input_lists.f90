@@ -25,9 +25,9 @@ module input_lists
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
     type(place_t) :: disp                    !! place of the first record of DISP
-    !> How many records by position (condition_entry_t) precede the first BOUN, the first DISP, the
-    !! first FORC and the first FPRO in the deck; -1: there is no such record.
-    integer :: after(4) = -1
+    !> (4, n) how many records by position (condition_entry_t) precede the last record of BOUN, of
+    !! DISP, of FORC and of FPRO that gives the node a value other than 0.
+    integer, allocatable :: after(:, :)
   end type node_list_t
 
   !> Elements 1 to `top`; `nen` is 0 for numbers that the deck leaves out.
@@ -66,6 +66,7 @@ contains
     call grow(list%forced, n)
     call grow(list%value, 3, n)
     call grow(list%table, 3, n)
+    call grow(list%after, 4, n)
   end subroutine grow_nodes
 
   !> Make room for element n with nen nodes.

@@ -40,7 +40,6 @@ contains
     call check_count(record, 1, 1, "BOUNdary has no options; records 'n g code1 code2 code3' " &
                      //'follow', error)
     if (allocated(error)) return
-    call note_order(draft, C_FIXED)
     n = 0
     step = 0
     told = .false.
@@ -58,6 +57,7 @@ contains
         if (last > 0) where (code == 0 .and. codes(:, last) < 0) code = -1
         call warn_freed(draft, line, n, codes(:, n) /= 0 .and. code == 0)
         codes(:, n) = code
+        call note_order(draft, C_FIXED, n, any(code /= 0))
         if (last == 0) cycle
         if (.not. told) call warn_generation(line, last, n, last_step, codes(:, last), &
                                              merge(code, 0, given), ends, told)
@@ -67,6 +67,7 @@ contains
         do i = last + last_step, n, last_step
           if (i == n) exit
           where (codes(:, i - last_step) < 0) codes(:, i) = -1
+          if (any(codes(:, i - last_step) < 0)) call note_order(draft, C_FIXED, i, .true.)
         end do
       end associate
     end do
@@ -156,7 +157,6 @@ contains
     call check_count(record, 1, 1, "FPROportional has no options; records 'n g k1 k2 k3' follow", &
                      error)
     if (allocated(error)) return
-    call note_order(draft, C_TABLE)
     n = 0
     step = 0
     do
@@ -171,10 +171,13 @@ contains
       end do
       associate (table => draft%nodes%table)
         table(:, n) = abs(number)
+        call note_order(draft, C_TABLE, n, any(number /= 0))
         if (last == 0 .or. last_step == 0) cycle
         last_step = sign(last_step, n - last)
         do i = last + last_step, n, last_step
-          if (i /= n) table(:, i) = table(:, last)
+          if (i == n) exit
+          table(:, i) = table(:, last)
+          call note_order(draft, C_TABLE, i, any(table(:, i) > 0))
         end do
       end associate
     end do
@@ -193,7 +196,7 @@ contains
     logical :: acts    ! the vector of this record or that of the last one is not zero
     logical :: told    ! a warning about generation was issued
     integer :: again   ! a node whose vector generation replaces; 0: none
-    integer :: n, step, last, last_step, kind
+    integer :: n, step, last, last_step, kind, i
     real(wp) :: x(3)
 
     is_force = record%key(1) == 'forc'
@@ -203,7 +206,6 @@ contains
                      error)
     if (allocated(error)) return
     kind = merge(C_FORCE, C_VALUE, is_force)
-    call note_order(draft, kind)
     n = 0
     step = 0
     told = .false.
@@ -229,6 +231,15 @@ contains
         if (.not. allocated(draft%nodes%disp%file)) draft%nodes%disp = line%place(1)
         call interpolate_between(draft%nodes%value, last, n, last_step, again)
         acts = any(abs(draft%nodes%value(:, [max(last, 1), n])) > 0.0_wp)
+      end if
+      call note_order(draft, kind, n, any(abs(x) > 0.0_wp))
+      if (last > 0 .and. last_step /= 0) then
+        do i = last + sign(last_step, n - last), n, sign(last_step, n - last)
+          if (i == n) exit
+          if (is_force) x = draft%nodes%force(:, i)
+          if (.not. is_force) x = draft%nodes%value(:, i)
+          call note_order(draft, kind, i, any(abs(x) > 0.0_wp))
+        end do
       end if
       if (twice .and. .not. (n == last .and. step /= 0)) then
         hint = 'the later record replaces the earlier one (FEAP): remove one of them'
@@ -270,12 +281,14 @@ contains
               norm2(later - earlier) > ROUNDING*max(norm2(later), norm2(earlier))
   end function is_lost
 
-  !> Record how many conditions by position precede the first record of this kind.
-  pure subroutine note_order(draft, kind)
+  !> Record how many conditions by position precede a record that sets the values of node n.
+  pure subroutine note_order(draft, kind, n, acts)
     type(draft_t), intent(inout) :: draft
     integer, intent(in) :: kind !! C_FIXED ...
+    integer, intent(in) :: n
+    logical, intent(in) :: acts !! the values are not all 0; otherwise none of them can be lost
 
-    if (draft%nodes%after(kind) < 0) draft%nodes%after(kind) = draft%ncondition
+    draft%nodes%after(kind, n) = merge(draft%ncondition, 0, acts)
   end subroutine note_order
 
   !> Read the next record with its node number and increment; n = 0 at the end of the data (a blank
