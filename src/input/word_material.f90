@@ -172,7 +172,7 @@ contains
     call set_law(given, set, error)
   end subroutine read_properties
 
-  !> Read BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY.
+  !> Read BODY [FORCe] b1 b2 b3. FEAP ignores the field after BODY, whatever it contains.
   subroutine read_body(deck, line, set, error)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: line
@@ -186,7 +186,12 @@ contains
                 line%place(2), "heat flow is not available: write 'BODY FORCe b1 b2 b3'")
       return
     end if
-    if (.not. (line%is_empty(2) .or. line%key(2) == 'forc' .or. line%n >= 5)) first = 2
+    if (.not. (line%is_empty(2) .or. line%key(2) == 'forc')) first = 2
+    if (first == 2 .and. line%n >= 5) then
+      call fail(error, DECK_ERROR, 'expected FORCe after BODY, found '//quoted(line%text(2)), &
+                line%place(2), 'BODY FORCe b1 b2 b3')
+      return
+    end if
     call check_count(line, 2, first + 2, 'BODY FORCe b1 b2 b3', error)
     if (allocated(error)) return
     do d = 1, 3
