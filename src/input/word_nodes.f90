@@ -1,7 +1,8 @@
 !> COORdinates and NURBs with generation, and TRANsform.
 !!
 !! Source: FEAPpv's manual. Two successive records with numbers l and n, the first with increment g,
-!! generate the nodes l+g, l+2g, ... between them on a straight line.
+!! generate the nodes l+g, l+2g, ... between them on a straight line. The weights of control points
+!! are interpolated like the coordinates.
 module word_nodes
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -30,7 +31,7 @@ contains
     type(record_t) :: line
     logical :: more, weighted
     integer :: n, step, last, last_step, i
-    real(wp) :: x(3), dx(3), w
+    real(wp) :: x(3), dx(3), w, dw
 
     weighted = record%key(1) == 'nurb'
     fields = "'n g x y z'"
@@ -73,8 +74,9 @@ contains
       end if
       if (last_step == 0) cycle
       last_step = sign(last_step, n - last)
-      dx = (draft%nodes%x(:, n) - draft%nodes%x(:, last)) &
-           /real((abs(n - last + last_step) - 1)/abs(last_step), wp)
+      i = (abs(n - last + last_step) - 1)/abs(last_step) ! number of intervals
+      dx = (draft%nodes%x(:, n) - draft%nodes%x(:, last))/real(i, wp)
+      dw = (draft%nodes%weight(n) - draft%nodes%weight(last))/real(i, wp)
       do i = last + last_step, n, last_step
         if (i == n) exit
         if (draft%nodes%given(i)) then
@@ -83,9 +85,8 @@ contains
                                //' generates it again: give the last record of a line the ' &
                                //'increment 0')
         end if
-        w = 0.0_wp
-        if (weighted) w = merge(draft%nodes%weight(i), 1.0_wp, draft%nodes%weight(i) > 0.0_wp)
-        call set_point(i, draft%nodes%x(:, i - last_step) + dx, w) ! FEAP adds up the increments
+        call set_point(i, draft%nodes%x(:, i - last_step) + dx, & ! FEAP adds up the increments
+                       draft%nodes%weight(i - last_step) + dw)
       end do
     end do
 
