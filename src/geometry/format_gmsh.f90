@@ -40,6 +40,7 @@ contains
       select case (section)
       case ('$MeshFormat')
         call read_format(text, is_new, error)
+        file%repeats = .not. is_new
       case ('$PhysicalNames')
         call read_names(text, names, error)
       case ('$Entities')

@@ -58,8 +58,8 @@ contains
           file%x(:, n) = matmul(turn, file%x(:, n)) + shift
         end do
       end if
-      call mark_solids(file)
-      call check_shapes(file, spec%text, error)
+      call mark_solids(file, spec%text, error)
+      if (.not. allocated(error)) call check_shapes(file, spec%text, error)
       if (.not. allocated(error)) call check_elements(file, spec%text, volume, error)
       if (.not. allocated(error)) call find_materials(spec, material, error)
       if (.not. allocated(error)) call find_boundary(file, spec%text, faces, error)

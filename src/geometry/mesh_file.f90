@@ -35,6 +35,7 @@ module mesh_file
     type(file_group_t), allocatable :: group(:)
     integer :: nmember = 0
     integer, allocatable :: member(:, :) !! (2, >= nmember) element and group
+    logical :: repeats = .false.         !! an element is listed once for each of its groups
   end type mesh_file_t
 
 contains
@@ -136,9 +137,12 @@ contains
   end subroutine sort_nodes
 
   !> Mark the elements of the body. Gmsh 2.2 repeats an element for each of its groups; only the
-  !! first one is marked, and it becomes a member of all these groups.
-  subroutine mark_solids(file)
+  !! first one is marked, and it becomes a member of all these groups. In other formats, two
+  !! elements must not have the same nodes.
+  subroutine mark_solids(file, text, error)
     type(mesh_file_t), intent(inout) :: file
+    type(text_t), intent(inout) :: text
+    type(error_t), allocatable, intent(out) :: error
     integer(i8), allocatable :: key(:)
     integer, allocatable :: order(:), first(:)
     integer :: e, i, j
@@ -157,6 +161,14 @@ contains
         if (key(order(j)) /= key(e)) exit
         if (file%shape(order(j)) == file%shape(e) .and. file%solid(order(j))) then
           if (all(sorted_nodes(file, order(j)) == sorted_nodes(file, e))) then
+            if (.not. file%repeats) then
+              text%at = maxval(file%spot([order(j), e]))
+              call fail_in_file(text, 'element '//to_text(file%label(max(order(j), e))) &
+                                //' has the same nodes as element ' &
+                                //to_text(file%label(min(order(j), e))), error, &
+                                'remove one of them: two elements of a body must not overlap')
+              return
+            end if
             first(e) = first(order(j))
             file%solid(e) = .false.
           end if
