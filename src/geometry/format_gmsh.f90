@@ -86,7 +86,9 @@ contains
     do i = 1, size(names%group)
       do g = 1, size(file%group)
         if (file%group(g)%dim /= names%group(i)%dim) cycle
-        if (file%group(g)%tag == names%group(i)%tag) file%group(g)%name = names%group(i)%name
+        if (file%group(g)%tag /= names%group(i)%tag) cycle
+        file%group(g)%name = names%group(i)%name
+        file%group(g)%named = .true.
       end do
     end do
   end subroutine read_gmsh

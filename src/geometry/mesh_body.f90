@@ -92,7 +92,7 @@ contains
           material = set%index
           cycle
         end if
-        chosen = group_named(file, set%group)
+        chosen = group_named(file, set%group, dim=3)
         if (.not. any(chosen)) then
           hint = group_hint(file, set%group)
           if (.not. allocated(file%group)) hint = 'the mesh file has no groups; MATErial m ' &
@@ -165,16 +165,24 @@ contains
     end do
   end subroutine make_blocks
 
-  !> Mark the groups of a file that have a given name.
-  pure function group_named(file, name) result(yes)
+  !> Mark the groups of a file that have a given name. A number names all groups that have it as
+  !! their name; if there is none, it names the unnamed groups with this number, or, if `dim` is
+  !! given and one of them has this dimension, only this one.
+  pure function group_named(file, name, dim) result(yes)
     type(mesh_file_t), intent(in) :: file
     character(*), intent(in) :: name
+    integer, intent(in), optional :: dim
     logical, allocatable :: yes(:)
     integer :: g
 
     allocate (yes(0))
     if (.not. allocated(file%group)) return
     yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
+    if (any(yes .and. file%group%named)) then
+      yes = yes .and. file%group%named
+    else if (present(dim)) then
+      if (any(yes .and. file%group%dim == dim)) yes = yes .and. file%group%dim == dim
+    end if
   end function group_named
 
   !> Make a hint for a group name that does not exist.
@@ -195,7 +203,8 @@ contains
   end function group_hint
 
   !> Set the named groups of a body: the nodes of all their elements, and the boundary faces of
-  !! their surface elements. Groups with the same name are merged.
+  !! their surface elements. Groups with the same name are merged; of unnamed groups with the same
+  !! number, the surface is taken.
   subroutine set_groups(file, faces, place, nnode, body)
     type(mesh_file_t), intent(in) :: file
     type(faces_t), intent(in) :: faces
@@ -212,8 +221,8 @@ contains
     allocate (group(n))
     ngroup = 0
     do g = 1, size(group)
-      chosen = group_named(file, file%group(g)%name)
-      if (any(chosen(:g - 1))) cycle
+      chosen = group_named(file, file%group(g)%name, dim=2)
+      if (any(chosen(:g - 1)) .or. .not. chosen(g)) cycle
       ngroup = ngroup + 1
       group(ngroup)%name = file%group(g)%name
       on = [(.false., i=1, file%nnode)]

@@ -11,10 +11,12 @@ module mesh_file
   private
   public :: mesh_file_t, start_mesh, add_element, add_member, sort_nodes, mark_solids
 
-  !> A physical group; without a name, its number is used as the name.
+  !> A physical group; without a name, its number is used as the name. Numbers are given separately
+  !! in each dimension, so unnamed groups with the same number are different groups.
   type, public :: file_group_t
     integer :: dim = 0
     integer :: tag = 0
+    logical :: named = .false.
     character(:), allocatable :: name
   end type file_group_t
 

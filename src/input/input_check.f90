@@ -200,6 +200,7 @@ contains
     type(draft_t), intent(inout) :: draft
     type(where_t), intent(in) :: at
     type(error_t), allocatable :: error
+    logical, allocatable :: chosen(:)
     integer :: p
 
     if (all(at%type /= [W_FACES, W_EDGE, W_GROUP])) return
@@ -220,9 +221,15 @@ contains
       if (at%type == W_GROUP) call unknown_face(at%face, at%face_place, error)
     else if (lower(at%face) /= 'all') then
       associate (mesh => draft%patch(p)%mesh)
-        if (any(group_named(mesh%file, at%face))) return
-        call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has no group ' &
-                  //quoted(at%face), at%face_place, group_hint(mesh%file, at%face))
+        chosen = group_named(mesh%file, at%face, dim=2)
+        if (.not. any(chosen)) then
+          call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has no group ' &
+                    //quoted(at%face), at%face_place, group_hint(mesh%file, at%face))
+        else if (count(chosen) > 1 .and. .not. any(chosen .and. mesh%file%group%named)) then
+          call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has several groups ' &
+                    //quoted(at%face)//' of different dimensions, none of them a surface', &
+                    at%face_place, 'name the groups in the program that made the mesh')
+        end if
       end associate
     end if
     if (allocated(error)) call draft%errors%add(error)
