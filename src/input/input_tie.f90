@@ -176,7 +176,9 @@ contains
       end if
       if (tie%material(1) > 0 .and. all(tie%material /= number)) cycle
       do e = 1, mesh%block(b)%nelem
-        class(mesh%block(b)%conn(:, e)) = merge(2, 1, number == tie%material(2))
+        associate (c => class(mesh%block(b)%conn(:, e)))
+          class(mesh%block(b)%conn(:, e)) = ior(c, merge(2, 1, number == tie%material(2)))
+        end associate
       end do
     end do
     where ([(n < tie%from .or. n > tie%to, n=1, mesh%nnode)]) class = 0
@@ -222,7 +224,7 @@ contains
           m = grid%head(i, j, k)
           do while (m > 0)
             if (all(abs(mesh%xr(:, n) - mesh%xr(:, m)) <= grid%tol)) then
-              if (tie%material(1) == tie%material(2) .or. iand(class(n), class(m)) == 0) return
+              if (tie%material(1) == tie%material(2) .or. ior(class(n), class(m)) == 3) return
             end if
             m = grid%next(m)
           end do
