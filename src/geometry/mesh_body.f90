@@ -2,6 +2,7 @@
 module mesh_body
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text, quoted, lower, nearest
   use constraint, only: constraint_t
   use face_rule, only: face_points, face_normal
@@ -76,20 +77,24 @@ contains
     end associate
   end subroutine build_mesh
 
-  !> Find the index of the material of each element; a later MATErial replaces an earlier one.
+  !> Find the index of the material of each element; a later MATErial replaces an earlier one. Warn
+  !! about a MATErial of a group that has no effect.
   subroutine find_materials(spec, material, error)
     type(mesh_spec_t), intent(in) :: spec
     integer, allocatable, intent(out) :: material(:) !! (nelem)
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: hint
     logical, allocatable :: chosen(:)
+    integer :: setter(spec%file%nelem) ! the record that gives each element its material
     integer :: e, i, m
 
     allocate (material(spec%file%nelem), source=0)
+    setter = 0
     do i = 1, size(spec%material)
       associate (set => spec%material(i), file => spec%file)
         if (.not. allocated(set%group)) then
           material = set%index
+          setter = i
           cycle
         end if
         chosen = group_named(file, set%group, dim=3)
@@ -102,7 +107,9 @@ contains
           return
         end if
         do m = 1, file%nmember
-          if (chosen(file%member(2, m))) material(file%member(1, m)) = set%index
+          if (.not. chosen(file%member(2, m))) cycle
+          material(file%member(1, m)) = set%index
+          setter(file%member(1, m)) = i
         end do
       end associate
     end do
@@ -113,6 +120,16 @@ contains
                 'write ''MATErial m'', which gives all elements a material, before the records ' &
                 //'''MATErial m group''')
       return
+    end do
+    do i = 1, size(spec%material)
+      associate (set => spec%material(i))
+        if (.not. allocated(set%group) .or. any(setter == i .and. spec%file%solid)) cycle
+        call warn('MATErial '//to_text(set%number)//' of group '//quoted(set%group)//' of mesh ' &
+                  //quoted(spec%spec%name)//' has no effect: the group has no solid elements, or ' &
+                  //'later records give all of them a material', set%place, &
+                  'write ''MATErial m'', which gives all elements a material, before the records ' &
+                  //'''MATErial m group''')
+      end associate
     end do
   end subroutine find_materials
 
