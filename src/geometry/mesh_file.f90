@@ -149,6 +149,8 @@ contains
     integer, allocatable :: order(:), first(:)
     integer :: e, i, j
 
+    call check_numbers(file, text, error)
+    if (allocated(error)) return
     file%solid = [(file%shapes(file%shape(e))%dim == 3, e=1, file%nelem)]
     allocate (key(file%nelem), order(file%nelem))
     do e = 1, file%nelem
@@ -180,6 +182,30 @@ contains
     end do
     file%member(1, :file%nmember) = first(file%member(1, :file%nmember))
   end subroutine mark_solids
+
+  !> Fail if two elements have the same number, unless the second one repeats the first one.
+  subroutine check_numbers(file, text, error)
+    type(mesh_file_t), intent(in) :: file
+    type(text_t), intent(inout) :: text
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: order(:)
+    integer :: a, b, i
+
+    allocate (order(file%nelem))
+    call sort_index(file%label(:file%nelem), order)
+    do i = 2, file%nelem
+      a = order(i - 1)
+      b = order(i)
+      if (file%label(a) /= file%label(b)) cycle
+      if (file%repeats .and. file%shape(a) == file%shape(b)) then
+        if (all(sorted_nodes(file, a) == sorted_nodes(file, b))) cycle
+      end if
+      text%at = maxval(file%spot([a, b]))
+      call fail_in_file(text, 'element '//to_text(file%label(a))//' is defined twice', error, &
+                        'give each element its own number')
+      return
+    end do
+  end subroutine check_numbers
 
   !> Nodes of an element, in ascending order.
   pure function sorted_nodes(file, e) result(node)
