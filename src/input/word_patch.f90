@@ -88,11 +88,23 @@ contains
       call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
                 record%place(2), &
                 'choose another name: NODE, POINt and PLANe are reserved words')
+    else if (is_npatch_name(lower(record%text(2)))) then
+      call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
+                record%place(2), 'choose another name: npatch1, npatch2, ... are the names of ' &
+                //'NPATches')
     else if (first > 0) then
       call fail(error, DECK_ERROR, 'duplicate patch '//quoted(record%text(2)), record%place(2), &
                 'the first one is in line '//to_text(draft%patch(first)%spec%place%line))
     end if
   end subroutine check_patch_name
+
+  !> Is this the name of an NPATch, such as npatch1?
+  pure logical function is_npatch_name(name)
+    character(*), intent(in) :: name !! in lower case
+
+    is_npatch_name = index(name, 'npatch') == 1 .and. len(name) > 6
+    if (is_npatch_name) is_npatch_name = verify(name(7:), '0123456789') == 0
+  end function is_npatch_name
 
   subroutine append_patch(draft, patch)
     type(draft_t), intent(inout) :: draft
