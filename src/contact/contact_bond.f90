@@ -48,7 +48,8 @@ module contact_bond
 contains
 
   !> If the contact has a cohesive law, find the bonded points of the sides that are not rigid,
-  !! their partners, and the reference areas of all points of these sides.
+  !! their partners, their histories at the start, and the reference areas of all points of these
+  !! sides.
   subroutine find_bonds(contact, xr, state)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: xr(:, :)       !! (3, nnode) reference positions [L]
@@ -84,11 +85,30 @@ contains
             if (foot%elem == 0 .or. abs(foot%gap) > near) cycle
             points%bond(i + q) = foot%elem
             points%bond_xi(:, i + q) = foot%xi
+            call start_bond(contact, contact%side(3 - k), xr, i + q, x(:, q), points, work)
           end do
         end do
       end associate
     end do
   end subroutine find_bonds
+
+  !> Set the history of bonded point i to that of a bond that was opened up to the initial gap. The
+  !! damage of this opening did not arise in the first step, so VISCous does not resist it.
+  pure subroutine start_bond(contact, other, xr, i, at, points, work)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: xr(:, :)       !! (3, nnode) reference positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)          !! reference position of the point [L]
+    type(contact_points_t), intent(inout) :: points
+    type(work_t), intent(inout) :: work
+    type(cohesion_t) :: c
+    real(wp) :: g(3), n(3), up(3, 2)
+
+    call pull_bond(contact, other, xr, i, at, 0.0_wp, points, work, g, n, up, c)
+    points%past_step(:, i) = points%past(:, i)
+    points%opening_step(i) = points%opening(i)
+  end subroutine start_bond
 
   !> Find the bonded points whose initial gap is open (positive) and so large that the traction of
   !! the bond no longer increases with the opening. Such bonds soften, or are broken, before
@@ -234,30 +254,20 @@ contains
     type(work_t), intent(inout) :: work
     type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
-    real(wp) :: g(3), partner(3), n(3), up(3, 2), lag, p, dp, energy, hold, r, rate, z, past
+    real(wp) :: g(3), n(3), up(3, 2), lag, p, dp, energy, hold, r, rate, z, past
     real(wp) :: depth, opened(3)
     integer :: j
 
-    associate (cohesive => contact%cohesive)
-      call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
-      g = at - partner
-      n = 0.0_wp
-      up = 0.0_wp
-      if (cohesive%law%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
-                                                                       work, n, up)
-      lag = 0.0_wp
-      if (points%dt > 0.0_wp) lag = cohesive%tau/points%dt
-      call cohesive%law%cohesive(cohesive%prop, lag, g, n, points%past_step(:, i), &
-                                 points%past(:, i), c)
-      bond%t = c%t
-      bond%dtdg = c%dtdg
-      if (cohesive%law%oriented) then
-        do j = 1, 2
-          bond%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
-        end do
-      end if
-    end associate
-    points%opening(i) = norm2(g)
+    lag = 0.0_wp
+    if (points%dt > 0.0_wp) lag = contact%cohesive%tau/points%dt
+    call pull_bond(contact, other, x, i, at, lag, points, work, g, n, up, c)
+    bond%t = c%t
+    bond%dtdg = c%dtdg
+    if (contact%cohesive%law%oriented) then
+      do j = 1, 2
+        bond%dtda(:, :, j) = -outer(matmul(c%dtdn, up(:, j)), n)
+      end do
+    end if
     points%energy(:, i) = [c%stored, c%spent, c%viscous]
     points%bond_traction(:, i) = bond%t
     if (.not. contact%on_pair) return
@@ -299,6 +309,36 @@ contains
     end do
     points%bond_traction(:, i) = bond%t
   end subroutine find_bond_traction
+
+  !> Find the traction of the cohesive law at bonded point i, and update its history and opening.
+  pure subroutine pull_bond(contact, other, x, i, at, lag, points, work, g, n, up, c)
+    type(contact_t), intent(in) :: contact
+    type(surface_t), intent(in) :: other
+    real(wp), intent(in) :: x(:, :)            !! (3, nnode) positions [L]
+    integer, intent(in) :: i
+    real(wp), intent(in) :: at(3)              !! [L]
+    real(wp), intent(in) :: lag                !! tau/dt of VISCous [-]
+    type(contact_points_t), intent(inout) :: points
+    type(work_t), intent(inout) :: work
+    real(wp), intent(out) :: g(3)              !! vector from the partner to the point [L]
+    !> Unit normal and dual tangents at the partner [-], [1/L]; zero if neither the law nor the
+    !! penalty needs them.
+    real(wp), intent(out) :: n(3), up(3, 2)
+    type(cohesion_t), intent(out) :: c
+    real(wp) :: partner(3)
+
+    call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
+    g = at - partner
+    n = 0.0_wp
+    up = 0.0_wp
+    associate (cohesive => contact%cohesive)
+      if (cohesive%law%oriented .or. contact%on_pair) call tangents_on(other, points%bond(i), x, &
+                                                                       work, n, up)
+      call cohesive%law%cohesive(cohesive%prop, lag, g, n, points%past_step(:, i), &
+                                 points%past(:, i), c)
+    end associate
+    points%opening(i) = norm2(g)
+  end subroutine pull_bond
 
   !> Does the contact law act at the projection of bonded point i if the point is at the position
   !! `at`?
