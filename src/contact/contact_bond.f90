@@ -36,7 +36,8 @@ module contact_bond
     real(wp) :: t(3) = 0.0_wp          !! [F/L^2]
     real(wp) :: dtdg(3, 3) = 0.0_wp    !! dt/dg [F/L^3]
     real(wp) :: dtda(3, 3, 2) = 0.0_wp !! dt/da_j with the tangents a_j of l at the partner
-    real(wp) :: p = 0.0_wp             !! pressure of the penalty, a part of t [F/L^2]
+    real(wp) :: p = 0.0_wp             !! pressure of the penalty [F/L^2]
+    real(wp) :: normal(3) = 0.0_wp     !! traction of this pressure, a part of t [F/L^2]
     real(wp) :: energy = 0.0_wp        !! energy of this pressure [F/L]
     real(wp) :: gap = 0.0_wp           !! n . g [L]
     !> Weight of the normal law and of the friction law at the current projection.
@@ -300,7 +301,8 @@ contains
     bond%energy = hold*(energy - energy_at_rest(contact%normal, points%multiplier(i)))
     if (.not. hold*p > 0.0_wp) return
     bond%p = hold*p
-    bond%t = bond%t + bond%p*n
+    bond%normal = bond%p*n
+    bond%t = bond%t + bond%normal
     bond%dtdg = bond%dtdg + outer(n, hold*dp*n - p*bond%slope)
     do j = 1, 2
       bond%dtda(:, :, j) = bond%dtda(:, :, j) &

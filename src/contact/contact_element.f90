@@ -52,7 +52,10 @@ contains
         bond = bond_traction_t()
         if (points%bond(i) > 0) call find_bond_traction(contact, other, x, i, point%x, points, &
                                                         work, bond)
-        if (.not. bond%share > 0.0_wp) point%state = OPEN
+        if (.not. bond%share > 0.0_wp) then ! the normal law and the friction law do not act here
+          point%state = OPEN
+          point%elastic = 0.0_wp
+        end if
         call record(contact, feet(q), i, point, bond, da, points)
 
         if (points%bond(i) > 0) then
@@ -157,6 +160,7 @@ contains
     points%pressure(i) = bond%share*point%p
     points%traction(:, i) = bond%share*point%t
     points%friction(:, i) = bond%share*point%friction
+    points%normal(:, i) = bond%share*(point%t - point%friction)
     points%elastic(:, i) = point%elastic
     points%slip(i) = point%slip
     points%area(i) = da
@@ -169,6 +173,7 @@ contains
     ratio = 0.0_wp
     if (da > 0.0_wp) ratio = points%area0(i)/da
     points%traction(:, i) = points%traction(:, i) + ratio*bond%t
+    points%normal(:, i) = points%normal(:, i) + ratio*bond%normal
     points%pressure(i) = points%pressure(i) + ratio*bond%p
     if (bond%share < 0.5_wp) points%gap(i) = bond%gap
     if (bond%p > 0.0_wp .and. point%state == OPEN) points%state(i) = TOUCH

@@ -50,8 +50,8 @@ contains
         allocate (p%limit(np), p%limit_step(np), p%pressed(np), source=0.0_wp)
         allocate (p%area(np), p%area0(np), p%slip(np), p%slip_rate(np), source=0.0_wp)
         allocate (p%opening(np), p%opening_step(np), source=0.0_wp)
-        allocate (p%traction(3, np), p%friction(3, np), p%elastic(3, np), p%bond_traction(3, np), &
-                  p%energy(3, np), source=0.0_wp)
+        allocate (p%traction(3, np), p%friction(3, np), p%normal(3, np), p%elastic(3, np), &
+                  p%bond_traction(3, np), p%energy(3, np), source=0.0_wp)
         allocate (p%past(MAX_PAST, np), p%past_step(MAX_PAST, np), source=0.0_wp)
         allocate (p%gap(np), source=huge(1.0_wp))
         allocate (p%state(np), p%state_step(np), source=OPEN)

@@ -17,9 +17,9 @@
 !! were counted, a side whose points lie in the gaps beside the points of contact of the other side
 !! would have no pressure.
 !!
-!! The traction of friction is smoothed separately: the tangential part of the smooth traction would
-!! contain some of the pressure wherever the surface is curved (5 % of the values of Table 5,
-!! Corbett and Sauer 2015).
+!! The tractions of friction and of the normal law are smoothed separately: the tangential part of
+!! the smooth traction would contain some of the pressure wherever the surface is curved (5 % of the
+!! values of Table 5, Corbett and Sauer 2015), and the whole traction contains that of bonds.
 module contact_smooth
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, surface_t, surface_basis_t
@@ -37,19 +37,18 @@ module contact_smooth
     integer, allocatable :: at(:) !! (size(surface%node)) positions of these nodes in `node`
     real(wp), allocatable :: traction(:, :) !! (3, n) traction on this side [F/L^2]
     real(wp), allocatable :: friction(:, :) !! (3, n) the frictional part of the traction [F/L^2]
+    real(wp), allocatable :: normal(:, :)   !! (3, n) the part due to the normal law [F/L^2]
     real(wp), allocatable :: pressure(:)    !! (n) [F/L^2]
     real(wp), allocatable :: slip(:, :)     !! (3, n) elastic tangential displacement [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
     real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
   end type smooth_t
 
-  !> Relative rounding error of the square of a pressure.
-  real(wp), parameter :: ROUNDING = 64.0_wp*epsilon(1.0_wp)
-
-  !> Rows of the sums in points%spread: traction, pressure, elastic slip, state, friction.
-  integer, parameter, public :: NSPREAD = 11
+  !> Rows of the sums in points%spread: traction, pressure, elastic slip, state, friction, and
+  !! traction of the normal law.
+  integer, parameter, public :: NSPREAD = 14
   !> Further rows of the sums: areas, gaps, and the areas to which the gaps belong.
-  integer, parameter :: AREA = 12, GAP = 13, GAP_AREA = 14, NSUM = 14
+  integer, parameter :: AREA = 15, GAP = 16, GAP_AREA = 17, NSUM = 17
 
   !> Largest values are taken over NGRID x NGRID points per element, evenly spaced from edge to
   !! edge, because bilinear fields have their largest values at corners.
@@ -97,7 +96,8 @@ contains
     if (allocated(points%spread)) total(:NSPREAD, :) = points%spread
     far = maxval(points%gap, mask=points%closest > 0 .and. points%gap < huge(far))
     if (far < -0.5_wp*huge(far)) far = 0.0_wp   ! no point has a projection
-    allocate (field%traction(3, n), field%friction(3, n), field%slip(3, n), source=0.0_wp)
+    allocate (field%traction(3, n), field%friction(3, n), field%normal(3, n), field%slip(3, n), &
+              source=0.0_wp)
     allocate (field%pressure(n), field%state(n), source=0.0_wp)
     allocate (field%gap(n), source=far)
     do a = 1, n
@@ -107,6 +107,7 @@ contains
         field%slip(:, a) = total(5:7, a)/total(AREA, a)
         field%state(a) = total(8, a)/total(AREA, a)
         field%friction(:, a) = total(9:11, a)/total(AREA, a)
+        field%normal(:, a) = total(12:14, a)/total(AREA, a)
       end if
       if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
     end do
@@ -197,7 +198,7 @@ contains
 
     value = 0.0_wp
     value(AREA) = 1.0_wp
-    if (points%state(i) /= OPEN) value(:NSPREAD) = closed_values(points, i)
+    if (bears(points, i)) value(:NSPREAD) = borne_values(points, i)
     if (points%closest(i) > 0 .and. points%gap(i) < huge(1.0_wp)) then
       value(GAP) = points%gap(i)
       value(GAP_AREA) = 1.0_wp
@@ -209,7 +210,7 @@ contains
   end subroutine add_point
 
   !> Add the part of the values of the points of the other side that acts on this side: at their
-  !! projections or, at a bonded point that has none, at its partner.
+  !! projections or, if only the bond holds the point, or it has no projection, at its partner.
   pure subroutine add_others(contact, own, others, squares, at, total)
     type(contact_t), intent(in) :: contact
     type(surface_t), intent(in) :: own     !! this side
@@ -221,15 +222,15 @@ contains
     integer :: a, e, i, n
 
     do i = 1, size(others%state)
-      if (others%state(i) == OPEN) cycle
+      if (.not. bears(others, i)) cycle
       e = others%closest(i)
       xi = others%closest_xi(:, i)
-      if (e == 0) then
+      if (e == 0 .or. others%state(i) == OPEN) then
         e = others%bond(i)
         xi = others%bond_xi(:, i)
       end if
       if (e == 0) cycle
-      value = (1.0_wp - own_share(contact))*others%area(i)*reverse(closed_values(others, i))
+      value = (1.0_wp - own_share(contact))*others%area(i)*reverse(borne_values(others, i))
       n = own%first(e + 1) - own%first(e)
       call weighting_functions(own, e, xi, squares, shp(:n))
       do a = 1, n
@@ -240,8 +241,17 @@ contains
     end do
   end subroutine add_others
 
-  !> Values of a point in contact.
-  pure function closed_values(points, i) result(value)
+  !> Does a point bear a traction: is it in contact, or bonded?
+  pure logical function bears(points, i)
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+
+    bears = points%state(i) /= OPEN .or. points%bond(i) > 0
+  end function bears
+
+  !> Values of a point that bears a traction. The traction of a bond is part of the traction, but
+  !! neither pressure nor friction; a bonded point whose bond is in tension is OPEN.
+  pure function borne_values(points, i) result(value)
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i
     real(wp) :: value(NSPREAD)
@@ -250,8 +260,10 @@ contains
     value(4) = points%pressure(i)
     value(5:7) = points%elastic(:, i)
     value(8) = merge(2.0_wp, 1.0_wp, points%state(i) == SLIP)
-    value(9:11) = friction_of(points%traction(:, i), points%pressure(i), points%elastic(:, i))
-  end function closed_values
+    if (points%state(i) == OPEN) value(8) = 0.0_wp
+    value(9:11) = points%friction(:, i)
+    value(12:14) = points%normal(:, i)
+  end function borne_values
 
   !> Values with which a point acts on the other side: the vectors are reversed.
   pure function reverse(value) result(back)
@@ -262,23 +274,7 @@ contains
     back([4, 8]) = value([4, 8])
   end function reverse
 
-  !> Friction at a point. Friction acts along the elastic part of the tangential displacement, and
-  !! the pressure acts perpendicular to it. If the elastic part is only rounding error, its
-  !! direction is arbitrary. Friction is therefore limited to the part of t that is not pressure.
-  pure function friction_of(t, p, elastic) result(friction)
-    real(wp), intent(in) :: t(3), p, elastic(3)
-    real(wp) :: friction(3)
-    real(wp) :: size, most
-
-    friction = 0.0_wp
-    size = norm2(elastic)
-    if (.not. size > 0.0_wp) return
-    friction = dot_product(t, elastic/size)*(elastic/size)
-    most = sqrt(max(0.0_wp, dot_product(t, t) - p*p) + ROUNDING*p*p)
-    if (norm2(friction) > most) friction = friction*(most/norm2(friction))
-  end function friction_of
-
-  !> Largest magnitude of the smooth pressure, or of one component of the traction without friction.
+  !> Largest magnitude of the smooth pressure, or of one component of its traction.
   function largest_pressure(contact, k, field, component) result(largest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -289,7 +285,7 @@ contains
 
     allocate (value(1, size(field%pressure)))
     value(1, :) = field%pressure
-    if (component > 0) value(1, :) = field%traction(component, :) - field%friction(component, :)
+    if (component > 0) value(1, :) = field%normal(component, :)
     largest = largest_of(contact%side(k), field%at, value)
   end function largest_pressure
 

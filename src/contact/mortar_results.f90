@@ -63,6 +63,7 @@ contains
     associate (own => contact%side(k), side => mortar%side(k), points => state%side(k))
       points%traction = 0.0_wp
       points%friction = 0.0_wp
+      points%normal = 0.0_wp
       points%elastic = 0.0_wp
       points%slip = 0.0_wp
       points%pressure = 0.0_wp
@@ -98,7 +99,8 @@ contains
           points%state(i) = side%state(j)
           points%friction(:, i) = p/side%p(j)*(side%friction(:, j) &
                                                - dot_product(side%friction(:, j), n)*n)
-          points%traction(:, i) = p*n + points%friction(:, i)
+          points%normal(:, i) = p*n
+          points%traction(:, i) = points%normal(:, i) + points%friction(:, i)
           points%elastic(:, i) = side%elastic(:, j)
           points%slip(i) = side%slip(j)
         end do
@@ -216,7 +218,8 @@ contains
       area = cells%weight(i)*norm2(cross(a(:, 1), a(:, 2)))/whole
       call vary_normal(cells%foot(i), x, n, dn)
       friction = side%friction(:, i) - dot_product(side%friction(:, i), n)*n
-      value(1:3) = cells%weight(i)*(side%p(i)*n + friction)
+      value(12:14) = cells%weight(i)*side%p(i)*n
+      value(1:3) = value(12:14) + cells%weight(i)*friction
       value(4) = cells%weight(i)*side%p(i)
       value(5:7) = area*side%elastic(:, i)
       value(8) = area*merge(2.0_wp, 1.0_wp, side%state(i) == SLIP)

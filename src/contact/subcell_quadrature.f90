@@ -70,6 +70,7 @@ contains
     points%area(i:j) = 0.0_wp
     points%traction(:, i:j) = 0.0_wp
     points%friction(:, i:j) = 0.0_wp
+    points%normal(:, i:j) = 0.0_wp
     points%pressed(i:j) = 0.0_wp
   end subroutine silence
 

@@ -174,6 +174,8 @@ module contact_pair
     real(wp), allocatable :: pressure(:)     !! (np) [F/L^2]
     real(wp), allocatable :: traction(:, :)  !! (3, np) traction on this side [F/L^2]
     real(wp), allocatable :: friction(:, :)  !! (3, np) frictional part of `traction` [F/L^2]
+    !> (3, np) part of `traction` that is due to the normal law [F/L^2]; the rest is that of bonds.
+    real(wp), allocatable :: normal(:, :)
     !> (3, np) part of the tangential displacement that is not slip [L].
     real(wp), allocatable :: elastic(:, :)
     real(wp), allocatable :: slip(:)         !! (np) length of the slip [L]

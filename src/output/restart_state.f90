@@ -206,6 +206,8 @@ contains
     call exchange(archive, group//'/pressure', points%pressure, error)
     if (allocated(points%spread)) call exchange(archive, group//'/spread', points%spread, error)
     call exchange(archive, group//'/traction', points%traction, error)
+    call exchange(archive, group//'/friction', points%friction, error)
+    call exchange(archive, group//'/normal', points%normal, error)
     call exchange(archive, group//'/elastic', points%elastic, error)
     call exchange(archive, group//'/area', points%area, error)
     call exchange(archive, group//'/opening', points%opening, error)
