@@ -51,7 +51,9 @@ contains
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
+    integer, allocatable :: giver(:, :) ! (3, nnode) the last EDIS that gives a value; 0: none
     logical :: may_lose, said(R_CSUR) ! one warning per word
+    logical :: told ! a warning about values that add up was issued
     integer :: word, i, n
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
@@ -79,6 +81,8 @@ contains
     value = bc%value
     call mark_active(draft, mesh, active)
     said = .false.
+    told = .false.
+    allocate (giver(3, mesh%nnode), source=0)
     do word = R_EBOU, R_CSUR
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
@@ -91,6 +95,7 @@ contains
         else if (may_lose) then
           call warn_replaced(draft, i, mesh, active, new, bc, before, said(word))
         end if
+        if (word == R_EDIS) call warn_added(draft, i, mesh, active, new, giver, told)
       end do
     end do
     call warn_idle_numbers(draft, mesh, active, new, bc)
@@ -383,6 +388,41 @@ contains
                 //word//', regardless of their order in the deck', r%place, hint)
     end associate
   end subroutine warn_replaced
+
+  !> Warn, once, if record i of EDIS adds values to those of another plane at common nodes.
+  subroutine warn_added(draft, i, mesh, active, new, giver, told)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: i
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: active(:)
+    integer, intent(in) :: new(:)          !! (nnode)
+    integer, intent(inout) :: giver(:, :)  !! (3, nnode) the last EDIS that gives a value; 0: none
+    logical, intent(inout) :: told
+    logical, allocatable :: on(:)
+    integer :: d, j, n
+
+    associate (r => draft%condition(i))
+      call mark(mesh, r, active, on)
+      on(pack(new, on)) = .true.
+      do d = 1, 3
+        if (.not. abs(r%value(d)) > 0.0_wp) cycle
+        do n = 1, size(new)
+          if (.not. on(n) .or. new(n) /= n) cycle
+          j = giver(d, n)
+          giver(d, n) = i
+          if (told .or. j == 0 .or. .not. r%adds) cycle
+          associate (s => draft%condition(j)) ! records of one plane cause another warning
+            if (r%direction == s%direction .and. abs(r%at(1) - s%at(1)) <= 0.0_wp) cycle
+            told = .true.
+            call warn('this EDISplacement adds its values to those in line ' &
+                      //to_text(s%place%line)//' at common nodes of the two planes, such as node ' &
+                      //to_text(n)//' in direction '//to_text(d), r%place, &
+                      'if the sum is not meant, write SET, which replaces all three values')
+          end associate
+        end do
+      end do
+    end associate
+  end subroutine warn_added
 
   !> Warn about records of EPRO that give load numbers to no force and no displacement.
   subroutine warn_idle_numbers(draft, mesh, active, new, bc)
