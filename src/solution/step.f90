@@ -33,7 +33,8 @@ module step
   use solution_state, only: open_step, restore_step
   use stabilisation, only: end_stabilisation
   use stabilisation_report, only: report_stabilisation
-  use step_control, only: set_dt, set_end, accept_time, pass_target, may_halve, cut_time, whole_step
+  use step_control, only: set_dt, set_end, accept_time, pass_target, may_halve, cut_time, &
+                          whole_step, on_target
   use step_type, only: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   use uneven_steps, only: find_uneven
   implicit none
@@ -52,15 +53,30 @@ module step
 
 contains
 
-  !> Set the distance between targets (DT), counted from the end of the current step.
+  !> Set the distance between targets (DT), counted from the end of the current step. It is set when
+  !! this step is closed on its target; before that, the command of the DT may be executed again.
   subroutine change_dt(step, time, dt)
     type(step_t), intent(inout) :: step
     real(wp), intent(in) :: time, dt
 
-    call set_dt(step%control, time, dt)
-    ! closing the current step will add the targets that it passed
-    if (step%open .and. step%timed) step%control%target = -step%control%passed
+    if (step%open .and. step%timed) then
+      step%next_dt = dt
+    else
+      call set_dt(step%control, time, dt)
+    end if
   end subroutine change_dt
+
+  !> Set the distance between targets that a DT in the current step has given, if the step has
+  !! reached its target.
+  pure subroutine take_next_dt(step, time)
+    type(step_t), intent(inout) :: step
+    real(wp), intent(in) :: time
+
+    if (.not. step%next_dt > 0.0_wp) return
+    if (step%control%automatic .and. .not. on_target(step%control)) return
+    call set_dt(step%control, time, step%next_dt)
+    step%control%target = -step%control%passed ! accept_time or pass_target adds them
+  end subroutine take_next_dt
 
   !> Begin a step; rewind_step can restore the state as it is now.
   subroutine begin_step(step, model, state, left)
@@ -77,6 +93,7 @@ contains
     step%start_fell = step%newton%hold%fell
     step%open = .true.
     step%solved = .false.
+    step%next_dt = 0.0_wp
     step%timed = present(left)
     if (.not. (step%retry .and. step%timed)) then
       step%cutbacks = 0
@@ -400,6 +417,7 @@ contains
         call set_end(step%control, state%time, on_target=.true.)
       end if
       call restore_step(state, step%start_step, state%time)
+      if (step%timed) call take_next_dt(step, state%time)
       if (step%timed) call accept_time(step%control, 0)
       if (step%timed) call warn_lost_time(model, state, place, step%total%lost_time)
       return
@@ -445,6 +463,7 @@ contains
     call measure_contacts(model, state)
     call keep_edge_contact(model, state, share, found)
     call follow_gaps(model, state)
+    if (step%timed) call take_next_dt(step, state%time)
     if (step%timed .and. step%newton%constraint%on) then
       call pass_target(step%control)
     else if (step%timed) then

@@ -38,7 +38,7 @@ module step_control
 contains
 
   !> Set a new interval between targets (DT), which are counted from `time`.
-  subroutine set_dt(control, time, dt)
+  pure subroutine set_dt(control, time, dt)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: time, dt
 

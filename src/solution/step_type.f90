@@ -50,6 +50,7 @@ module step_type
     integer :: start_step = 0            !! number and time of the state at the start of the step
     real(wp) :: start_time = 0.0_wp
     real(wp) :: loop_end = 0.0_wp        !! time of the last target of the loop over time
+    real(wp) :: next_dt = 0.0_wp         !! DT given in the step, for the targets after it; 0: none
     integer :: start_iterations = 0      !! total number of iterations when the step began
     logical :: start_held = .false.      !! `active` of the stabilisation when the step began
     logical :: start_fell = .false.      !! `fell` of the stabilisation when the step began
