@@ -2,8 +2,9 @@
 module command_loop
   use base_error, only: error_t, fail, DECK_ERROR
   use base_text, only: to_text
-  use command_step, only: take_outcome
+  use command_step, only: take_outcome, finish_step
   use command_type, only: run_t, command_t, command_row_t, loop_t, new_row
+  use program_position, only: is_only_time
   use step, only: cut_step, STEP_REWOUND
   use step_control, only: on_target
   implicit none
@@ -38,25 +39,31 @@ contains
   end subroutine run_loop
 
   !> End a pass of a loop. With automatic step sizes, a loop over time counts targets instead of
-  !! steps: no pass is counted if the step ended before its target, and as many as there are targets
-  !! if it passed several. A step with automatic size is cut back if its Newton loop ends without
-  !! convergence.
+  !! steps: the pass goes on at its last TIME if the step ended before its target, and as many
+  !! passes are counted as there are targets if it passed several. A step with automatic size is cut
+  !! back if its Newton loop ends without convergence.
   subroutine run_next(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     integer :: top, passes
+    logical :: rewound
 
     if (run%program%dry) return
+    associate (opening => run%program%command(command%matching), step => run%step)
+      if (opening%holds_time .and. step%control%automatic .and. step%solved) then
+        if (.not. on_target(step%control)) then
+          call finish_step(run, rewound, error)
+          if (allocated(error) .or. rewound) return
+        end if
+      end if
+    end associate
     associate (program => run%program, opening => run%program%command(command%matching), &
                control => run%step%control)
       top = size(program%loop)
       passes = 1
-      if (opening%holds_time .and. control%automatic) then
+      if (control%automatic .and. is_only_time(program, command%matching)) then
         passes = max(1, control%passed)
-        ! a constrained step in which nothing is solved ends on its target (close_step)
-        if (.not. (on_target(control) .or. run%step%newton%constraint%on .and. &
-                   .not. run%step%solved)) passes = 0
       end if
       program%loop(top)%count = program%loop(top)%count + passes
       if (program%loop(top)%count <= program%loop(top)%limit) then

@@ -11,6 +11,7 @@ module command_step
   use listing_contact, only: list_contacts
   use program_position, only: save_position, rewind_program, leave_loop, current_place
   use step, only: begin_step, close_step, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
+  use step_control, only: on_target
   implicit none
   private
   public :: open_step_here, take_outcome, finish_step, finish_solved_step
@@ -46,30 +47,40 @@ contains
     call agree(error)
   end subroutine take_outcome
 
-  !> Close the current step, if any, and write what is due. `rewound` is true if the step failed its
-  !! last test, so that the command that began it is executed next.
+  !> Close the current step, if any, and write what is due. `rewound` is true if the command that
+  !! began the step is executed next, because the step failed its last test or ended before its
+  !! target.
   subroutine finish_step(run, rewound, error)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound
     type(error_t), allocatable, intent(out) :: error
     integer :: outcome
+    logical :: timed, short
 
+    timed = run%step%open .and. run%step%timed
     call close_step(run%step, run%model, run%state, current_place(run%program), outcome, error)
     rewound = outcome == STEP_REWOUND
     if (allocated(error)) return
     call take_outcome(run, outcome, error)
     if (allocated(error)) return
-    if (.not. rewound) call keep_tables(run)
-    if (outcome /= STEP_ACCEPTED) return
-    call watch_step(run)
-    run%plan%closed_at = run%state%time
-    call run%timers%start('output')
-    call write_step(run, error)
-    call run%timers%stop('output')
+    if (rewound) return
+    call keep_tables(run)
+    short = timed .and. run%step%control%automatic .and. .not. on_target(run%step%control)
+    if (short) call rewind_program(run%program, run%deck%params) ! a checkpoint contains this
+    if (outcome == STEP_ACCEPTED) then
+      call watch_step(run)
+      run%plan%closed_at = run%state%time
+      call run%timers%start('output')
+      call write_step(run, error)
+      call run%timers%stop('output')
+      if (allocated(error)) return
+    end if
+    if (short) run%program%counter = run%program%counter - 1 ! the main loop adds one
+    rewound = short
   end subroutine finish_step
 
   !> Close the current step if a system was solved in it, because its loads and its inertia follow
-  !! from earlier commands. `rewound` is true if the step is repeated.
+  !! from earlier commands. `rewound` is true if the command that began it is executed next.
   subroutine finish_solved_step(run, rewound, error)
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound

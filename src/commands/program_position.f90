@@ -6,7 +6,8 @@ module program_position
   use deck_expression, only: params_t
   implicit none
   private
-  public :: save_position, rewind_program, leave_loop, targets_left, is_last_pass, current_place
+  public :: save_position, rewind_program, leave_loop, targets_left, is_only_time, &
+            is_last_pass, current_place
 
 contains
 
@@ -50,6 +51,7 @@ contains
   end subroutine leave_loop
 
   !> Number of time targets that remain in the innermost loop, including the target of the next
+  !! TIME. It is 1 if the loop contains several TIMEs, so that no step passes the target of another
   !! TIME.
   pure integer function targets_left(program) result(left)
     type(program_t), intent(in) :: program
@@ -59,9 +61,22 @@ contains
     top = size(program%loop)
     if (top == 0) return
     associate (loop => program%loop(top))
-      if (program%command(loop%at)%holds_time) left = loop%limit - loop%count + 1
+      if (is_only_time(program, loop%at)) left = loop%limit - loop%count + 1
     end associate
   end function targets_left
+
+  !> Does the LOOP at a position contain exactly one TIME, and this outside its inner loops?
+  pure logical function is_only_time(program, at) result(yes)
+    type(program_t), intent(in) :: program
+    integer, intent(in) :: at
+    integer :: i
+
+    associate (command => program%command)
+      yes = command(at)%holds_time
+      if (yes) yes = count([(command(i)%record%key(1) == 'time', &
+                             i=at, command(at)%matching)]) == 1
+    end associate
+  end function is_only_time
 
   !> Is the innermost loop in its last pass, and not a loop over time?
   pure logical function is_last_pass(program) result(yes)

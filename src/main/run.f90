@@ -2,8 +2,8 @@
 !! analysis fails or is stopped.
 !!
 !! TIME closes the previous step and begins a new one, in which TANG and similar commands iterate.
-!! When a step is cut back, the command counter goes back to the TIME of that step (see the modules
-!! step and command_step).
+!! When a step is cut back, or is accepted before its target, the command counter goes back to the
+!! TIME of that step (see the modules step and command_step).
 module run
   use base_log, only: warn
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
