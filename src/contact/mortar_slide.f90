@@ -74,9 +74,8 @@ contains
       else
         call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
         came_in = .false.
-        if (foot%elem > 0) then
-          came_in = dot_product(direction(foot, at), cells%foot(i)%n) < BESIDE
-        end if
+        if (foot%elem > 0) came_in = was_beside(contact%side(3 - k), mortar%start(3 - k), at, foot, &
+                                                cells%foot(i))
       end if
       if (came_in) then ! the point came in over an edge of the body
         foot%elem = cells%foot(i)%elem
@@ -110,6 +109,24 @@ contains
                         elastic - dot_product(elastic, n)*n, side%slide(i), side%slide_xi(:, i))
     end associate
   end subroutine find_slide
+
+  !> Was the point x, whose projection at the start of the step is `foot`, beside the part of the
+  !! surface that it faces now? The normal at its present projection is taken as it is now, because
+  !! that of an edge is a mean, and as it was at the start, because the surface may have turned.
+  pure logical function was_beside(surface, start, x, foot, now) result(yes)
+    type(surface_t), intent(in) :: surface
+    type(shape_t), intent(in) :: start       !! shape of the surface at the start of the step
+    real(wp), intent(in) :: x(3)             !! [L]
+    type(foot_t), intent(in) :: foot, now    !! projections at the start of the step, and now
+    real(wp) :: n(3), m(3), at(3), a(3, 2), b(3, 3)
+
+    n = direction(foot, x)
+    yes = dot_product(n, now%n) < BESIDE
+    if (.not. yes) return
+    call surface_point(surface, start, now%elem, now%xi, at, a, b)
+    m = cross(a(:, 1), a(:, 2))
+    yes = dot_product(n, m) < BESIDE*norm2(m)
+  end function was_beside
 
   !> Unit vector from a surface towards a point outside it.
   pure function direction(foot, x) result(n)
