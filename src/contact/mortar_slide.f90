@@ -73,9 +73,9 @@ contains
         came_in = foot%elem == 0 .and. foot%outer == 0
       else
         call project(contact%side(3 - k), mortar%start(3 - k), mortar%start_grid(3 - k), at, foot)
-        came_in = .false.
-        if (foot%elem > 0) came_in = was_beside(contact%side(3 - k), mortar%start(3 - k), at, foot, &
-                                                cells%foot(i))
+        came_in = foot%elem > 0
+        if (came_in) came_in = was_beside(contact%side(3 - k), mortar%start(3 - k), at, foot, &
+                                          cells%foot(i))
       end if
       if (came_in) then ! the point came in over an edge of the body
         foot%elem = cells%foot(i)%elem
