@@ -19,8 +19,8 @@ module input_draft
   private
   public :: draft_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_entry_t, knot_vector_t, &
             support_entry_t, motion_entry_t, pressure_entry_t, contact_entry_t, column_entry_t, &
-            curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, skip_set, &
-            known_word, check_number, check_increment, row_of
+            curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, end_set, &
+            skip_set, known_word, check_number, check_increment, row_of
 
   integer, parameter :: MOST_RECORDS = 24 !! limit on the number of different words in a set
 
@@ -328,6 +328,32 @@ contains
       draft%in_set = .false.
     end do
   end subroutine skip_set
+
+  !> End a data set of FEAP at a record whose first field is 0 or empty. Fail if another of its
+  !! fields is neither empty nor 0, since the record then has data that would be lost.
+  subroutine end_set(draft, deck, record, numbers, error)
+    type(draft_t), intent(inout) :: draft
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    character(*), intent(in) :: numbers !! what a first field may be, for the hint
+    type(error_t), allocatable, intent(out) :: error
+    type(error_t), allocatable :: not_a_number
+    character(:), allocatable :: field
+    real(wp) :: x
+    integer :: i
+
+    do i = 2, record%n
+      call get_real(deck, record, i, x, not_a_number, 0.0_wp)
+      if (.not. (allocated(not_a_number) .or. abs(x) > 0.0_wp)) cycle
+      field = 'a 0 in the first field'
+      if (record%is_empty(1)) field = 'an empty first field'
+      call fail(error, DECK_ERROR, field//' ends the data of ' &
+                //trim(draft%row(draft%closed)%name)//', but this record has other values', &
+                record%place(1), 'to end the set, leave a blank record; '//numbers)
+      return
+    end do
+    draft%in_set = .false.
+  end subroutine end_set
 
   !> Fail if the number of a node, an element, a control point or a knot vector is not positive or
   !! is too large for a list.

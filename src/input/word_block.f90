@@ -15,7 +15,7 @@ module word_block
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use elmt_q2, only: FEAP27
-  use input_draft, only: draft_t, next_data
+  use input_draft, only: draft_t, next_data, end_set
   use input_fields, only: get_numbers
   use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
   use input_twice, only: replaced_t, note_replaced, warn_replaced, warn_node_twice
@@ -92,8 +92,11 @@ contains
         if (allocated(error)) error%hint = "write a master node as 'i x y z'; other records are " &
                                            //"'BRICk n' and 'MATErial m'"
         if (allocated(error)) return
-        draft%in_set = i /= 0
-        if (i == 0) exit
+        if (i == 0) then
+          call end_set(draft, deck, line, 'master nodes are numbered from 1', error)
+          if (allocated(error)) return
+          exit
+        end if
         call check_count(line, 2, 4, "write a master node as 'i x y z'", error)
         if (allocated(error)) return
         if (i < 1 .or. i > 27) then

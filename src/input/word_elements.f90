@@ -14,7 +14,7 @@ module word_elements
   use deck_stream, only: deck_t, get_integer
   use element_table, only: load_elements
   use element_type, only: element_t
-  use input_draft, only: draft_t, next_data, check_number, check_increment
+  use input_draft, only: draft_t, next_data, end_set, check_number, check_increment
   use input_lists, only: grow_elements, add_place
   use input_twice, only: replaced_t, note_replaced, warn_replaced
   use mesh_shape, only: node_counts
@@ -107,7 +107,7 @@ contains
     call get_integer(deck, record, 1, e%number, error)
     if (allocated(error)) return
     if (e%number == 0) then
-      draft%in_set = .false.
+      call end_set(draft, deck, record, 'elements are numbered from 1', error)
       return
     end if
     call check_number('element', e%number, record%place(1), error)

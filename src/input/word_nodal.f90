@@ -13,7 +13,7 @@ module word_nodal
   use boundary, only: note_load_number
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
-  use input_draft, only: draft_t, next_data, check_number, check_increment, C_FIXED, &
+  use input_draft, only: draft_t, next_data, end_set, check_number, check_increment, C_FIXED, &
                          C_VALUE, C_FORCE, C_TABLE
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes, add_named_node
@@ -309,7 +309,7 @@ contains
     call get_integer(deck, record, 1, n, error)
     if (allocated(error)) return
     if (n == 0) then
-      draft%in_set = .false.
+      call end_set(draft, deck, record, 'nodes are numbered from 1', error)
       return
     end if
     call check_count(record, 3, 5, usage, error)

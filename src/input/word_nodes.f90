@@ -9,7 +9,7 @@ module word_nodes
   use base_text, only: to_text
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: draft_t, next_data, check_number, check_increment
+  use input_draft, only: draft_t, next_data, end_set, check_number, check_increment
   use input_fields, only: get_numbers
   use input_lists, only: grow_nodes
   use input_twice, only: warn_node_twice
@@ -48,8 +48,10 @@ contains
       last_step = step
       call get_integer(deck, line, 1, n, error)
       if (allocated(error)) return
-      draft%in_set = n /= 0
-      if (n == 0) return
+      if (n == 0) then
+        call end_set(draft, deck, line, 'nodes are numbered from 1', error)
+        return
+      end if
       call check_count(line, 3, merge(6, 5, weighted), 'write a point as '//fields, error)
       if (.not. allocated(error)) call check_number('node', n, line%place(1), error)
       if (.not. allocated(error)) call get_integer(deck, line, 2, step, error, 0)

@@ -10,7 +10,7 @@ module word_position
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer, get_real
-  use input_draft, only: draft_t, condition_entry_t, next_data
+  use input_draft, only: draft_t, condition_entry_t, next_data, end_set
   use input_fields, only: get_numbers
   use input_record, only: word_index, word_list
   implicit none
@@ -80,7 +80,10 @@ contains
       end if
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
-      if (r%direction == 0) exit ! ends the data (FEAP)
+      if (r%direction == 0) then
+        call end_set(draft, deck, line, 'directions are 1, 2 and 3', error)
+        return
+      end if
       call check_count(line, 2, 5, 'direction coordinate '//value_names(r%word), error)
       if (allocated(error)) return
       if (r%direction < 1 .or. r%direction > 3) then
@@ -94,7 +97,6 @@ contains
       r%place = line%place(1)
       call append_request(draft, r)
     end do
-    draft%in_set = .false.
   end subroutine read_planes
 
   !> Names of the three values of a record.
@@ -247,8 +249,11 @@ contains
       if (has_line) exit
       call get_integer(deck, line, 1, i, error)
       if (allocated(error)) return
-      draft%in_set = i /= 0
-      if (i == 0) exit
+      if (i == 0) then
+        call end_set(draft, deck, line, 'the points of a surface are numbered from 1', error)
+        if (allocated(error)) return
+        exit
+      end if
       call check_count(line, 4, merge(5, 4, r%word == R_CSUR), 'write a point as '//fields, error)
       if (allocated(error)) return
       if (i < 1 .or. i > 9) then
