@@ -254,7 +254,8 @@ contains
       call search_line(newton%asm, model, state, newton%dx, du, &
                        dot_product(newton%dx, newton%rhs), pass%line, error)
     else
-      if (size(model%contact) > 0) pass%line = damping(newton)
+      ! a fraction of an increment would lose the rest of its prescribed motion
+      if (size(model%contact) > 0 .and. .not. moved) pass%line = damping(newton)
       if (has_followed(newton%asm%contact) .and. pass%line >= 1.0_wp .and. .not. moved) then
         call accelerate_slow(newton%past, newton%dx)
         call full_vector(model%eq, newton%dx, du)
