@@ -40,17 +40,20 @@ contains
     logical, intent(in) :: told(:, :)  !! (nbody, nbody) pairs that a warning has named already
     logical, allocatable :: overlap(:, :)
     real(wp), allocatable :: x(:, :, :)
+    integer :: i
 
-    call find_overlaps(mesh, contact, told, overlap, x)
+    call find_overlaps(mesh, contact, [(.true., i=1, size(contact))], told, overlap, x)
     call warn_pairs(mesh, overlap, x, 'at the start', 'check their positions and sizes; bodies ' &
                     //'that touch act on each other only through CONTact or TIE')
   end subroutine warn_overlaps
 
   !> At the end of a run, warn about each pair of bodies that have moved into each other although
-  !! they did not overlap at the start, unless a contact or common nodes join them.
-  subroutine warn_crossed(mesh, contact, x)
+  !! they did not overlap at the start, unless a contact that has acted or common nodes join them. A
+  !! contact that has never closed may name other faces than those that meet.
+  subroutine warn_crossed(mesh, contact, acted, x)
     type(mesh_t), intent(inout) :: mesh    !! unchanged on return
     type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: acted(:)        !! (size(contact)) the contact has closed in some step
     real(wp), intent(in) :: x(:, :)        !! (3, nnode) current positions [L]
     logical, allocatable :: overlap(:, :), before(:, :)
     logical :: none(size(mesh%body), size(mesh%body))
@@ -60,18 +63,19 @@ contains
     none = .false.
     xr = mesh%xr
     mesh%xr = x
-    call find_overlaps(mesh, contact, none, overlap, at)
+    call find_overlaps(mesh, contact, acted, none, overlap, at)
     mesh%xr = xr
     if (.not. any(overlap)) return
-    call find_overlaps(mesh, contact, none, before, unused)
+    call find_overlaps(mesh, contact, acted, none, before, unused)
     call warn_pairs(mesh, overlap .and. .not. before, at, 'at the end', 'bodies act on each ' &
                     //'other only through CONTact or TIE: name the faces that meet in a CONTact')
   end subroutine warn_crossed
 
   !> Find the pairs of bodies that overlap and that nothing joins.
-  subroutine find_overlaps(mesh, contact, told, overlap, x)
+  subroutine find_overlaps(mesh, contact, acts, told, overlap, x)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: acts(:)         !! (size(contact)) contacts that join bodies
     logical, intent(in) :: told(:, :)      !! (nbody, nbody) pairs that are not examined
     logical, allocatable, intent(out) :: overlap(:, :) !! (0:nbody, 0:nbody) pairs a < b
     real(wp), allocatable, intent(out) :: x(:, :, :)   !! (3, 0:nbody, 0:nbody) a common point [L]
@@ -79,7 +83,7 @@ contains
     integer :: a, b, nbody
 
     nbody = size(mesh%body)
-    call find_candidates(mesh, contact, told, overlap)
+    call find_candidates(mesh, contact, acts, told, overlap)
     allocate (x(3, 0:nbody, 0:nbody), source=0.0_wp)
     if (.not. any(overlap)) return
     allocate (skin(0:nbody))
@@ -123,9 +127,10 @@ contains
 
   !> Mark the pairs of bodies whose boxes overlap, of which at least one deforms, and that nothing
   !! joins.
-  subroutine find_candidates(mesh, contact, told, may)
+  subroutine find_candidates(mesh, contact, acts, told, may)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: acts(:)
     logical, intent(in) :: told(:, :)
     logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody) pairs a < b
     integer, allocatable :: owner(:) ! (nnode) first body of a node; -1: none
@@ -178,6 +183,7 @@ contains
       end do
     end associate
     do c = 1, size(contact)
+      if (.not. acts(c)) cycle
       allocate (on(0:size(mesh%body), 2), source=.false.)
       do k = 1, 2
         on(mesh%block(contact(c)%side(k)%block)%body, k) = .true.

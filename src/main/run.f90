@@ -104,7 +104,8 @@ contains
                 //'before it', hint='in a loop, TIME comes before TANG,,1 or UTAN,,1')
     end if
     call warn_soft_penalty(job%model, job%state)
-    call warn_crossed(job%model%mesh, job%model%contact, job%model%mesh%xr + job%state%u)
+    call warn_crossed(job%model%mesh, job%model%contact, job%state%contact%touched .or. &
+                      job%model%contact%cohesive%given, job%model%mesh%xr + job%state%u)
     call note_missed(job%model, job%state)
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
