@@ -39,7 +39,7 @@ contains
     type(continuation_t) :: default
     real(wp) :: x
     logical :: given, rewound
-    integer :: before
+    integer :: method
 
     call check_fields(command, merge(0, 1, command%option == 'off'), &
                       trim(run%program%row(command%row)%usage), error)
@@ -77,26 +77,34 @@ contains
         "note: the number of FEAP's arc length method is ignored")
       return
     end if
-    call finish_solved_step(run, rewound, error)
-    if (allocated(error) .or. rewound) return
+    select case (command%option)
+    case ('off')
+      method = PATH_OFF
+    case ('leng')
+      method = PATH_ARC
+    case ('dyna')
+      method = PATH_INERTIA
+    case default
+      method = PATH_RELEASE
+    end select
+    if (method /= run%step%continuation%method) then
+      call finish_solved_step(run, rewound, error)
+      if (allocated(error) .or. rewound) return
+      call return_to_load(run%step, run%model, run%state)
+    end if
     associate (path => run%step%continuation)
-      before = path%method
+      path%method = method
       path%given = .true.
       path%density = -1.0_wp
-      select case (command%option)
-      case ('off')
-        path%method = PATH_OFF
-      case ('leng')
-        path%method = PATH_ARC
+      select case (method)
+      case (PATH_ARC)
         path%multiple = merge(x, default%multiple, x > 0.0_wp)
-      case ('dyna')
-        path%method = PATH_INERTIA
+      case (PATH_INERTIA)
         if (x > 0.0_wp) path%density = x
-      case default
-        path%method = PATH_RELEASE
+      case (PATH_RELEASE)
         path%largest_release = merge(x, default%largest_release, x > 0.0_wp)
+      case default ! OFF has no parameter
       end select
-      if (path%method /= before) call return_to_load(run%step, run%model, run%state)
     end associate
     if (.not. allocated(run%state%dynamics%v)) then
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
@@ -140,6 +148,8 @@ contains
       call warn_unstable(command, beta, gamma, alpha)
     end if
     if (allocated(error) .or. run%program%dry) return
+    if (off .and. .not. (run%state%dynamics%on .or. &
+                         run%step%continuation%active == BY_INERTIA)) return
     call finish_solved_step(run, rewound, error)
     if (allocated(error) .or. rewound) return
     if (.not. off .or. run%step%continuation%active == BY_INERTIA) then

@@ -38,6 +38,7 @@ contains
     call whole_field(command, 1, every, error)
     call check_fields(command, 1, 'TPLOt,,interval', error, option=.false.)
     if (allocated(error) .or. run%program%dry) return
+    if (max(1, every) == run%plan%tplot_every) return
     call finish_solved_step(run, rewound, error) ! its row is written with the former interval
     if (allocated(error) .or. rewound) return
     run%plan%tplot_every = max(1, every)

@@ -278,13 +278,15 @@ contains
     step%solved = .false.
   end subroutine rewind_step
 
-  !> Return to load control, without arc length, release of bonds or inertia of the continuation. A
-  !! step that has begun, but in which nothing was solved, begins again.
+  !> Return to load control: end the control of the arc length or of the release of bonds, and the
+  !! inertia of the continuation. A step that has begun, but in which nothing was solved, begins
+  !! again.
   subroutine return_to_load(step, model, state)
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
     integer :: left
+    real(wp) :: next
 
     associate (path => step%continuation, control => step%control)
       if (path%active == BY_INERTIA) state%dynamics%on = .false.
@@ -293,8 +295,10 @@ contains
       step%newton%constraint = path_constraint_t()
       if (.not. step%open) return
       left = nint((step%loop_end - control%origin)/control%dt) - control%target
+      next = step%next_dt
       call rewind_step(step, state)
       call begin_step(step, model, state, left)
+      step%next_dt = next
     end associate
   end subroutine return_to_load
 
