@@ -8,6 +8,7 @@
 !! layer behind.
 module cell_cover
   use base_kinds, only: wp
+  use base_sort, only: sort_index
   use contact_facets, only: facets_t
   implicit none
   private
@@ -19,6 +20,9 @@ module cell_cover
   type :: view_t
     integer :: n = 0                         !! facets in view; 0: not set yet
     real(wp), allocatable :: seen(:, :, :)   !! (2, 4, n) corners in the plane of the facet [L]
+    real(wp), allocatable :: low(:, :), high(:, :) !! (2, n) bounds of the corners [L]
+    real(wp) :: widest = 0.0_wp              !! largest high(1, :) - low(1, :) [L]
+    integer, allocatable :: order(:)         !! (n) low(1, order) is in ascending order
     real(wp), allocatable :: middle(:, :)    !! (3, n) mean of the corners; 3: the height [L]
     real(wp), allocatable :: slope(:, :)     !! (2, n) slope of the height
     real(wp), allocatable :: nearest(:), farthest(:) !! (n) |height| of the corners [L]
@@ -38,7 +42,7 @@ contains
     integer, intent(inout) :: cover(:)       !! positions in `near`
     integer, intent(out) :: ncover
     real(wp) :: height(4)
-    integer :: i
+    integer :: i, k
 
     ncover = 0
     do i = 1, 4
@@ -46,14 +50,35 @@ contains
     end do
     if (.not. any(abs(height) > depth)) return
     if (view%n == 0) call look(origin, frame, theirs, near, view)
-    do i = 1, view%n
+    do k = first_to_reach(view, view%low(1, j)), view%n
+      i = view%order(k)
+      if (.not. view%low(1, i) < view%high(1, j)) exit
       if (i == j .or. .not. view%nearest(i) < view%farthest(j)) cycle
+      if (.not. all(view%low(:, i) < view%high(:, j) .and. view%low(:, j) < view%high(:, i))) cycle
       if (are_apart(view%seen(:, :, i), view%seen(:, :, j))) cycle
       if (are_apart(view%seen(:, :, j), view%seen(:, :, i))) cycle
       ncover = ncover + 1
       cover(ncover) = i
     end do
   end subroutine find_covers
+
+  !> First position in `order` from which on facets may extend beyond x in direction 1.
+  pure integer function first_to_reach(view, x) result(low)
+    type(view_t), intent(in) :: view
+    real(wp), intent(in) :: x                !! [L]
+    integer :: high, middle
+
+    low = 1
+    high = view%n + 1
+    do while (low < high)
+      middle = low + (high - low)/2
+      if (view%low(1, view%order(middle)) + view%widest > x) then
+        high = middle
+      else
+        low = middle + 1
+      end if
+    end do
+  end function first_to_reach
 
   !> Set the view.
   pure subroutine look(origin, frame, theirs, near, view)
@@ -66,12 +91,12 @@ contains
 
     n = size(near)
     if (allocated(view%seen)) then
-      if (size(view%seen, 3) < n) deallocate (view%seen, view%middle, view%slope, view%nearest, &
-                                              view%farthest)
+      if (size(view%seen, 3) < n) deallocate (view%seen, view%low, view%high, view%order, &
+                                              view%middle, view%slope, view%nearest, view%farthest)
     end if
     if (.not. allocated(view%seen)) then
-      allocate (view%seen(2, 4, n), view%middle(3, n), view%slope(2, n), view%nearest(n), &
-                view%farthest(n))
+      allocate (view%seen(2, 4, n), view%low(2, n), view%high(2, n), view%order(n), &
+                view%middle(3, n), view%slope(2, n), view%nearest(n), view%farthest(n))
     end if
     view%n = n
     do j = 1, n
@@ -80,12 +105,16 @@ contains
       end do
       normal = matmul(theirs%normal(:, near(j)), frame)
       view%seen(:, :, j) = y(:2, :)
+      view%low(:, j) = minval(y(:2, :), 2)
+      view%high(:, j) = maxval(y(:2, :), 2)
       view%middle(:, j) = 0.25_wp*sum(y, 2)
       view%slope(:, j) = -normal(:2)/normal(3) ! the facets face each other, so normal(3) < 0
       view%nearest(j) = minval(abs(y(3, :)))
       if (minval(y(3, :)) < 0.0_wp .and. maxval(y(3, :)) > 0.0_wp) view%nearest(j) = 0.0_wp
       view%farthest(j) = maxval(abs(y(3, :)))
     end do
+    view%widest = maxval(view%high(1, :n) - view%low(1, :n))
+    call sort_index(view%low(1, :n), view%order(:n))
   end subroutine look
 
   !> Does one of the edges of quadrilateral p separate it from q? Both are clockwise.
