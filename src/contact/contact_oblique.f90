@@ -115,7 +115,7 @@ contains
       e = (i - 1)/contact%nq + 1
       call compare(contact, k, shape, e, contact%xi(:, i - (e - 1)*contact%nq), feet(i), n, &
                    fraction)
-      call add_force(k, points%area(i)*(points%traction(:, i) - points%friction(:, i)), &
+      call add_force(k, points%area(i)*points%normal(:, i), &
                      points%area(i)*points%friction(:, i), fraction, sums)
     end do
   end subroutine add_points
