@@ -65,7 +65,7 @@ contains
     end associate
   end function targets_left
 
-  !> Does the LOOP at a position contain exactly one TIME, and this outside its inner loops?
+  !> Does the LOOP at a position contain exactly one TIME, which is outside its inner loops?
   pure logical function is_only_time(program, at) result(yes)
     type(program_t), intent(in) :: program
     integer, intent(in) :: at

@@ -145,7 +145,7 @@ contains
   end function outside
 
   !> Is the facet j that a point faces farther away than `depth`, and does the point also face a
-  !! nearer facet? This facet must not be deeper than `depth`.
+  !! nearer facet? The point must not lie deeper than `depth` below the nearer facet.
   pure logical function is_hidden(view, j, cover, y, depth) result(hidden)
     type(view_t), intent(in) :: view
     integer, intent(in) :: j

@@ -27,8 +27,8 @@ contains
 
   !> Find p = <y> with y = multiplier - eps_n gap; without augmentation the multiplier is zero. If d
   !! > 0, p = y^2/(2 eps_n d) up to y = eps_n d, and p = y - eps_n d/2 beyond that. The derivative
-  !! of p then has no jump, and it is zero where surfaces just touch. A number takes the place of
-  !! the multiplier in y that makes p equal to the multiplier at a gap of zero: augmentation then
+  !! of p then has no jump, and it is zero where surfaces just touch. In y, the multiplier is
+  !! replaced by the number for which p equals the multiplier at a gap of zero, so that augmentation
   !! closes the gap.
   pure subroutine pressure(prop, gap, multiplier, p, dp, energy)
     real(wp), intent(in) :: prop(:)

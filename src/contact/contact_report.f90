@@ -73,8 +73,8 @@ contains
   end subroutine report_contact_changes
 
   !> Count the points of each side that were in contact at the start of the step, and are now deeper
-  !! than DEPTh. The search for projections near a surface does not find points that are deeper than
-  !! DEPTh below all of it. Such points are therefore projected again, at any distance.
+  !! than DEPTh. The search near a surface finds no projection of a point that is deeper than DEPTh
+  !! below every part of it. Such points are therefore projected again, at any distance.
   function count_lost(contact, x, state) result(n)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]

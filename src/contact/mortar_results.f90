@@ -25,7 +25,7 @@ module mortar_results
   public :: accept_mortar, measure_corners, spread_cells
 
   !> Rate of slip in a step in which no time passes: large, but finite even when multiplied by a
-  !! time step. The value serves only to expect slip in the next step.
+  !! time step. The value only decides whether slip is expected in the next step.
   real(wp), parameter :: FAST = sqrt(huge(1.0_wp))
 
   !> Nodes of one side to which values are spread.

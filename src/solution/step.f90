@@ -53,8 +53,9 @@ module step
 
 contains
 
-  !> Set the distance between targets (DT), counted from the end of the current step. It is set when
-  !! this step is closed on its target; before that, the command of the DT may be executed again.
+  !> Set the distance between targets (DT), counted from the end of the current step. Within a
+  !! step it takes effect when the step is closed on its target, because the DT may be executed
+  !! again before that.
   subroutine change_dt(step, time, dt)
     type(step_t), intent(inout) :: step
     real(wp), intent(in) :: time, dt
