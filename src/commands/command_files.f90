@@ -3,10 +3,10 @@
 !! leaves none. The first rank writes them, and all ranks are told whether this succeeded.
 module command_files
   use base_agreement, only: agree
-  use base_comm, only: is_root
+  use base_comm, only: is_root, largest
   use base_error, only: error_t
   use base_file, only: cut_file, file_size, remove_file
-  use base_kinds, only: wp
+  use base_kinds, only: wp, i8
   use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve
@@ -15,7 +15,7 @@ module command_files
   implicit none
   private
   public :: remove_curves, open_files, write_rows, write_fields, close_files
-  public :: open_tables, keep_tables, cut_tables
+  public :: open_tables, keep_tables, cut_tables, continue_tables
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
@@ -145,16 +145,19 @@ contains
     run%files%result_open = .not. allocated(error)
   end subroutine open_fields
 
-  !> Open the file of FEAP's tables for the first table. Tables are always appended, because
-  !! cut_tables may shorten the file at any time.
+  !> Open the file of FEAP's tables for the first table, without those of earlier runs that are not
+  !! kept. Tables are always appended, because cut_tables may shorten the file at any time.
   subroutine open_tables(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
     associate (files => run%files)
       if (files%out_open) return
-      if (is_root() .and. files%printed == 0) call remove_file(tables_path(run))
-      if (is_root()) call open_bytes(files%out, tables_path(run), .true., error)
+      if (is_root()) then
+        if (files%printed == 0) call remove_file(tables_path(run))
+        call cut_file(tables_path(run), files%printed, error)
+        if (.not. allocated(error)) call open_bytes(files%out, tables_path(run), .true., error)
+      end if
       call agree(error)
       files%out_open = .not. allocated(error)
     end associate
@@ -188,6 +191,25 @@ contains
       files%out_open = .false.
     end associate
   end subroutine cut_tables
+
+  !> Continue the file of FEAP's tables after RESTart: keep its first `length` bytes, or all of it
+  !! if no length is given. Tables that this run has already printed remain in any case.
+  subroutine continue_tables(run, length)
+    type(run_t), intent(inout) :: run
+    real(wp), intent(in), optional :: length !! a whole number [byte]
+
+    associate (files => run%files)
+      if (files%out_open) return
+      files%printed = 0
+      if (is_root()) then
+        files%printed = file_size(tables_path(run))
+        if (present(length)) then
+          if (length < real(files%printed, wp)) files%printed = int(max(length, 0.0_wp), i8)
+        end if
+      end if
+      if (largest(merge(1, 0, files%printed > 0)) == 1 .and. .not. is_root()) files%printed = 1
+    end associate
+  end subroutine continue_tables
 
   pure function tables_path(run) result(path)
     type(run_t), intent(in) :: run

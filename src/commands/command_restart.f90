@@ -2,14 +2,16 @@
 module command_restart
   use base_agreement, only: agree
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_file, only: file_t, inspect
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
+  use command_files, only: continue_tables
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
   use model, only: state_t
-  use named_values, only: named_values_t
+  use named_values, only: named_values_t, get
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, read_checkpoint
   use solution_state, only: new_state, set_factors
@@ -38,6 +40,7 @@ contains
     type(load_table_t), allocatable :: table(:)
     type(dynamics_t) :: dynamics
     type(state_t) :: state
+    type(named_values_t) :: values
     character(:), allocatable :: changed
     integer :: i
 
@@ -59,14 +62,14 @@ contains
     end if
     if (run%program%dry) then          ! report a wrong file before anything is written
       call new_state(run%model, state)
-      call read_state(run, command, state, changed, error)
+      call read_state(run, command, state, values, changed, error)
       if (.not. allocated(error)) return
       if (error%code /= DECK_ERROR) deallocate (error) ! the real run reports this error
       return
     end if
     table = run%state%table
     dynamics = run%state%dynamics
-    call read_state(run, command, run%state, changed, error)
+    call read_state(run, command, run%state, values, changed, error)
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call keep_integration(run, command, dynamics)
@@ -75,6 +78,7 @@ contains
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
     end associate
     run%files%kept = run%state%step
+    call keep_printed(run, command, values)
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
@@ -110,16 +114,36 @@ contains
                          //'the motion, or TRANsient,OFF to end it')
   end subroutine keep_integration
 
-  !> Read the state in the file that the command names.
-  subroutine read_state(run, command, state, changed, error)
+  !> Keep the printed tables up to the checkpoint. Only the checkpoint under the name of this run
+  !! knows the length of its file of tables; with any other one the whole file remains.
+  subroutine keep_printed(run, command, values)
+    type(run_t), intent(inout) :: run
+    type(command_t), intent(in) :: command
+    type(named_values_t), intent(in) :: values
+    type(file_t) :: found, own
+    real(wp) :: length !! [byte]
+    logical :: there
+
+    call inspect(path_of(run, command), found)
+    call inspect(own_path(run), own)
+    call get(values, 'printed', length, there)
+    if (there .and. all(found%identity == own%identity)) then
+      call continue_tables(run, length)
+    else
+      call continue_tables(run)
+    end if
+  end subroutine keep_printed
+
+  !> Read the state and the named values in the file that the command names.
+  subroutine read_state(run, command, state, values, changed, error)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     type(state_t), intent(inout) :: state
+    type(named_values_t), intent(out) :: values
     character(:), allocatable, intent(out) :: changed !! accepted differences
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
     type(fingerprint_t) :: print
-    type(named_values_t) :: values
 
     text = ''
     if (allocated(run%files%deck_text)) text = run%files%deck_text
@@ -141,8 +165,16 @@ contains
     type(command_t), intent(in) :: command
     character(:), allocatable :: path
 
-    path = run%files%stem//'.restart.h5'
+    path = own_path(run)
     if (.not. command%record%is_empty(2)) path = command%record%text(2)
   end function path_of
+
+  !> The path of the checkpoints that this run writes.
+  function own_path(run) result(path)
+    type(run_t), intent(in) :: run
+    character(:), allocatable :: path
+
+    path = run%files%stem//'.restart.h5'
+  end function own_path
 
 end module command_restart

@@ -7,7 +7,20 @@ import shutil
 from verification.trouble.test_files import HERE, Folder
 
 
-class Steps(Folder):
+class Tables(Folder):
+    """Runs with curves and printed tables."""
+
+    def times(self, name):
+        """The times of the tables, and those of the rows of the curve."""
+        lines = (self.at / f"{name}.out").read_text().splitlines()
+        rows = (self.at / f"{name}_force.dat").read_text().splitlines()[1:]
+        return (
+            [float(line.split()[-1]) for line in lines if "Time" in line],
+            [float(row.split()[1]) for row in rows],
+        )
+
+
+class Steps(Tables):
     """A deck whose steps have four iterations: those of length 1 do not converge."""
 
     def setUp(self):
@@ -18,15 +31,6 @@ class Steps(Folder):
         )
         self.deck = self.deck.replace("-way", "-3*way").replace("DT,,0.1", "DT,,1")
         self.deck = self.deck.replace("time,10", "time,1")
-
-    def times(self, name):
-        """The times of the tables, and those of the rows of the curve."""
-        lines = (self.at / f"{name}.out").read_text().splitlines()
-        rows = (self.at / f"{name}_force.dat").read_text().splitlines()[1:]
-        return (
-            [float(line.split()[-1]) for line in lines if "Time" in line],
-            [float(row.split()[1]) for row in rows],
-        )
 
     def test_steps_that_are_cut_back_leave_no_table(self):
         text = self.deck.replace("DT,,1\n", "DT,,1\n  AUTO,,0.01,1\n")
@@ -61,6 +65,39 @@ class Steps(Folder):
         done = self.run_bezel("between.inp")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(self.times("between")[0], [1.0, 1.0])
+
+
+class Restarts(Tables):
+    """RESTart keeps the tables up to the checkpoint."""
+
+    def setUp(self):
+        super().setUp()
+        text = self.deck.replace("    SAVE\n", "    DISP,ALL\n    SAVE\n")
+        text = text.replace("DT,,0.1", "DT,,0.01").replace("time,10", "time,2")
+        (self.at / "box.inp").write_text(text)
+        self.deck = text.replace("    SAVE\n", "")
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+
+    def restarted(self, text, times):
+        """Run a deck under the name of the first one; its tables must be those of these times."""
+        (self.at / "next.inp").write_text(text)
+        done = self.run_bezel("--name", "box", "next.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        tables, rows = self.times("box")
+        self.assertEqual(tables, times)
+        self.assertEqual(rows, [0.01, 0.02, 0.03, 0.04])
+
+    def test_restart_under_the_same_name_keeps_the_tables_before_the_checkpoint(self):
+        for file in ("", ",./box.restart.h5"):  # the same deck again prints no table twice
+            text = self.deck.replace("BATCh", "BATCh\n  RESTart" + file)
+            self.restarted(text, [0.01, 0.02, 0.03, 0.04])
+        self.restarted(text.replace("    DISP,ALL\n", ""), [0.01, 0.02])
+
+    def test_restart_from_another_checkpoint_keeps_all_tables(self):
+        shutil.move(self.at / "box.restart.h5", self.at / "other.h5")
+        text = self.deck.replace("BATCh", "BATCh\n  RESTart,other.h5")
+        self.restarted(text, [0.01, 0.02, 0.03, 0.04])
+        self.restarted(text.replace("    DISP,ALL\n", ""), [0.01, 0.02, 0.03, 0.04])
 
 
 class Stresses(Folder):
