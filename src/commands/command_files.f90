@@ -1,5 +1,5 @@
-!> The files of curves, fields and printed tables. They are opened when the first row, fields or
-!! table are written (after a restart: at the start), so that a run that fails in its first step
+!> The files of curves, fields and printed tables. Each is opened when its first row, fields or
+!! table is written (after a restart: at the start), so that a run that fails in its first step
 !! leaves none. The first rank writes them, and all ranks are told whether this succeeded.
 module command_files
   use base_agreement, only: agree

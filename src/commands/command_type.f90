@@ -109,8 +109,8 @@ module command_type
     type(result_file_t) :: result
     type(curve_file_t), allocatable :: curve(:)
     type(byte_file_t) :: out                    !! FEAP's tables
-    !> Length of the file of FEAP's tables without those of the current step [byte]; other ranks
-    !! than the first only know whether it is 0.
+    !> Length of the file of FEAP's tables without those of the current step [byte]; ranks other
+    !! than the first know only whether it is 0.
     integer(i8) :: printed = 0
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
