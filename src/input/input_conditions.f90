@@ -21,7 +21,7 @@ module input_conditions
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
-  public :: apply_conditions, warn_supports_kept, note_loose
+  public :: apply_conditions, warn_supports_kept, warn_added, note_loose
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
   !! are selected (FEAP), relative to the extent of the mesh; for EBOUndary and EPROportional it is
@@ -51,9 +51,7 @@ contains
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
-    integer, allocatable :: giver(:, :) ! (3, nnode) the last EDIS that gives a value; 0: none
     logical :: may_lose, said(R_CSUR) ! one warning per word
-    logical :: told ! a warning about values that add up was issued
     integer :: word, i, n
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
@@ -81,8 +79,6 @@ contains
     value = bc%value
     call mark_active(draft, mesh, active)
     said = .false.
-    told = .false.
-    allocate (giver(3, mesh%nnode), source=0)
     do word = R_EBOU, R_CSUR
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
@@ -95,7 +91,6 @@ contains
         else if (may_lose) then
           call warn_replaced(draft, i, mesh, active, new, bc, before, said(word))
         end if
-        if (word == R_EDIS) call warn_added(draft, i, mesh, active, new, giver, told)
       end do
     end do
     call warn_idle_numbers(draft, mesh, active, new, bc)
@@ -389,39 +384,44 @@ contains
     end associate
   end subroutine warn_replaced
 
-  !> Warn, once, if record i of EDIS adds values to those of another plane at common nodes.
-  subroutine warn_added(draft, i, mesh, active, new, giver, told)
+  !> Warn, once, if a record of EDIS adds values to those of another plane at common nodes, in a
+  !! direction that is restrained. All restraints must have been set before.
+  subroutine warn_added(draft, mesh, new, bc)
     type(draft_t), intent(in) :: draft
-    integer, intent(in) :: i
     type(mesh_t), intent(in) :: mesh
-    logical, intent(in) :: active(:)
-    integer, intent(in) :: new(:)          !! (nnode)
-    integer, intent(inout) :: giver(:, :)  !! (3, nnode) the last EDIS that gives a value; 0: none
-    logical, intent(inout) :: told
-    logical, allocatable :: on(:)
-    integer :: d, j, n
+    integer, intent(in) :: new(:) !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    integer, allocatable :: giver(:, :) ! (3, nnode) the last EDIS that gives a value; 0: none
+    logical, allocatable :: active(:), on(:)
+    integer :: d, i, j, n
 
-    associate (r => draft%condition(i))
-      call mark(mesh, r, active, on)
-      on(pack(new, on)) = .true.
-      do d = 1, 3
-        if (.not. abs(r%value(d)) > 0.0_wp) cycle
+    call mark_active(draft, mesh, active)
+    allocate (giver(3, mesh%nnode), source=0)
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (r%word /= R_EDIS) cycle
+        call mark(mesh, r, active, on)
+        on(pack(new, on)) = .true.
         do n = 1, size(new)
           if (.not. on(n) .or. new(n) /= n) cycle
-          j = giver(d, n)
-          giver(d, n) = i
-          if (told .or. j == 0 .or. .not. r%adds) cycle
-          associate (s => draft%condition(j)) ! records of one plane cause another warning
-            if (r%direction == s%direction .and. abs(r%at(1) - s%at(1)) <= 0.0_wp) cycle
-            told = .true.
-            call warn('this EDISplacement adds its values to those in line ' &
-                      //to_text(s%place%line)//' at common nodes of the two planes, such as node ' &
-                      //to_text(n)//' in direction '//to_text(d), r%place, &
-                      'if the sum is not meant, write SET, which replaces all three values')
-          end associate
+          if (.not. r%adds) giver(:, n) = 0
+          do d = 1, 3
+            if (bc%fixed(d, n) == 0 .or. .not. abs(r%value(d)) > 0.0_wp) cycle
+            j = giver(d, n)
+            giver(d, n) = i
+            if (j == 0) cycle
+            associate (s => draft%condition(j)) ! records of one plane cause another warning
+              if (r%direction == s%direction .and. abs(r%at(1) - s%at(1)) <= 0.0_wp) cycle
+              call warn('this EDISplacement adds its values to those in line ' &
+                        //to_text(s%place%line)//' at common nodes of the two planes, such as ' &
+                        //'node '//to_text(n)//' in direction '//to_text(d), r%place, &
+                        'if the sum is not intended, write SET, which replaces all three values')
+              return
+            end associate
+          end do
         end do
-      end do
-    end associate
+      end associate
+    end do
   end subroutine warn_added
 
   !> Warn about records of EPRO that give load numbers to no force and no displacement.

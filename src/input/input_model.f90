@@ -6,7 +6,7 @@ module input_model
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
-  use input_conditions, only: apply_conditions, warn_supports_kept, note_loose
+  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_twisted, warn_locking
@@ -81,6 +81,7 @@ contains
         call report_moved_supports(draft, mesh%xr, bc)
         call release_slaves(draft, mesh, bc)
         call resolve_loads(draft, draft%model)
+        call warn_added(draft, mesh, tied, bc)
         call note_loose(draft, mesh, bc)
         call find_unread(draft%tables, draft%model%unread)
         call resolve_curves(draft, draft%model)
