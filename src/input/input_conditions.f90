@@ -74,10 +74,10 @@ contains
                 //'largest node number is '//to_text(mesh%nnode))
       call draft%errors%add(error)
     end do
-    call share_conditions(draft, new, bc)
+    call mark_active(draft, mesh, active)
+    call share_conditions(draft, mesh, active, new, bc)
     force = bc%force
     value = bc%value
-    call mark_active(draft, mesh, active)
     said = .false.
     do word = R_EBOU, R_CSUR
       do i = 1, draft%ncondition
@@ -102,21 +102,35 @@ contains
   !> Give each node the conditions of the nodes that it replaces after TIE: restraints are combined,
   !! and forces are added. The load number is that of the first node with a force or a displacement
   !! or, if there is none, the first that is not 0.
-  subroutine share_conditions(draft, new, bc)
+  subroutine share_conditions(draft, mesh, active, new, bc)
     type(draft_t), intent(inout) :: draft
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: active(:)
     integer, intent(in) :: new(:) !! (nnode)
     type(boundary_t), intent(inout) :: bc
     logical, allocatable :: acts(:, :) ! (3, nnode) there is a force or displacement
+    logical, allocatable :: set(:) ! (nnode) EDIS or CDIS replaces the displacement of DISP
+    logical, allocatable :: on(:)
     type(error_t), allocatable :: error
     logical :: differ(3), takes(3)
-    integer :: n
+    integer :: i, n
 
     if (all(new == [(n, n=1, size(new))])) return
+    allocate (set(size(new)), source=.false.)
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (r%adds .or. kind_of(r%word) /= C_VALUE) cycle
+        call mark(mesh, r, active, on)
+        set = set .or. on
+      end associate
+    end do
     acts = abs(bc%value) > 0.0_wp .or. abs(bc%force) > 0.0_wp
     do n = 1, size(new)
       associate (m => new(n))
         if (m == n) cycle
-        if (.not. allocated(error)) call check_displacements(draft, bc, m, n, error)
+        if (.not. (allocated(error) .or. any(set([m, n])))) then
+          call check_displacements(draft, bc, m, n, error)
+        end if
         takes = .not. acts(:, m) .and. (acts(:, n) .or. bc%table(:, m) == 0)
         differ = bc%table(:, m) /= bc%table(:, n) .and. (acts(:, m) .or. bc%table(:, m) > 0) &
                  .and. (acts(:, n) .or. bc%table(:, n) > 0)
