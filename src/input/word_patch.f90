@@ -90,8 +90,8 @@ contains
                 'choose another name: NODE, POINt and PLANe are reserved words')
     else if (is_npatch_name(lower(record%text(2)))) then
       call fail(error, DECK_ERROR, 'a patch cannot be named '//quoted(record%text(2)), &
-                record%place(2), 'choose another name: npatch1, npatch2, ... are the names of ' &
-                //'NPATches')
+                record%place(2), 'choose another name: npatch1, npatch2, ... are reserved for ' &
+                //'NPATch')
     else if (first > 0) then
       call fail(error, DECK_ERROR, 'duplicate patch '//quoted(record%text(2)), record%place(2), &
                 'the first one is in line '//to_text(draft%patch(first)%spec%place%line))
