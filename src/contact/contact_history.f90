@@ -20,7 +20,7 @@ module contact_history
   implicit none
   private
   public :: new_contact_state, restore_contact_step, keep_contact_step, had_touched, mark_beside, &
-            side_positions, enter_slide, accept_slides, trail_behind, slide_beyond
+            side_positions, enter_slide, accept_slides, direction, trail_behind, slide_beyond
 
   !> Fraction of DEPTh: a point beside the other surface is marked if it is less than this above the
   !! tangent plane of the border (mark_beside). The pressure of a marked point that has entered the
@@ -266,6 +266,18 @@ contains
     xi = xi + [g(2, 2)*d(1) - g(1, 2)*d(2), g(1, 1)*d(2) - g(1, 2)*d(1)]/det
   end function slide_beyond
 
+  !> Unit vector from a surface towards a point outside it: the normal or, on a ridge or at a
+  !! vertex, the direction of the distance.
+  pure function direction(foot, x) result(n)
+    type(foot_t), intent(in) :: foot         !! projection of the point
+    real(wp), intent(in) :: x(3)             !! the point [L]
+    real(wp) :: n(3)
+
+    n = foot%n
+    if (all(foot%free)) return
+    if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) n = (x - foot%x)/foot%gap
+  end function direction
+
   !> Move the sliding point from the projection so that the tangential vector from it to the point
   !! is `elastic`. The traction then stays the same if the load stays the same. On a curved surface,
   !! a single step along the tangents would not be exact.
@@ -282,10 +294,7 @@ contains
     integer :: next, step
     logical :: clamped
 
-    n = foot%n
-    if (.not. all(foot%free) .and. abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) then
-      n = (x - foot%x)/foot%gap
-    end if
+    n = direction(foot, x)
     rest = -elastic
     last = huge(1.0_wp)
     do step = 1, MOST_STEPS

@@ -8,7 +8,7 @@
 module mortar_slide
   use base_kinds, only: wp
   use contact_facets, only: FACING
-  use contact_history, only: trail_behind, slide_beyond
+  use contact_history, only: direction, trail_behind, slide_beyond
   use contact_pair, only: contact_t, friction_points_t, surface_t
   use contact_work, only: sliding_functions
   use mortar_type, only: mortar_t, mortar_side_t
@@ -23,9 +23,7 @@ module mortar_slide
 
   !> Cosine of the largest angle by which the direction to the other surface turns in a step. If
   !! it turns by more, the point was beside the part of the surface that it meets.
-  real(wp), parameter :: BESIDE = 0.5_wp
-  !> Without units: gaps below this, relative to the tangents, have no direction.
-  real(wp), parameter :: NO_DIRECTION = 1.0e-12_wp
+  real(wp), parameter :: LEAST_COSINE = 0.5_wp
   !> Number of bisections after which an edge is known up to about the rounding error.
   integer, parameter :: BISECTIONS = 40
 
@@ -121,23 +119,12 @@ contains
     real(wp) :: n(3), m(3), at(3), a(3, 2), b(3, 3)
 
     n = direction(foot, x)
-    yes = dot_product(n, now%n) < BESIDE
+    yes = dot_product(n, now%n) < LEAST_COSINE
     if (.not. yes) return
     call surface_point(surface, start, now%elem, now%xi, at, a, b)
     m = cross(a(:, 1), a(:, 2))
-    yes = dot_product(n, m) < BESIDE*norm2(m)
+    yes = dot_product(n, m) < LEAST_COSINE*norm2(m)
   end function was_beside
-
-  !> Unit vector from a surface towards a point outside it.
-  pure function direction(foot, x) result(n)
-    type(foot_t), intent(in) :: foot         !! projection of the point
-    real(wp), intent(in) :: x(3)             !! the point [L]
-    real(wp) :: n(3)
-
-    n = foot%n
-    if (all(foot%free)) return
-    if (abs(foot%gap) > NO_DIRECTION*maxval(abs(foot%a))) n = (x - foot%x)/foot%gap
-  end function direction
 
   !> Find the position on a surface that is nearest to the point x, among those that face this point
   !! and can be reached from `foot` along the tangent plane at `foot`. If x lies beyond the edge of
