@@ -14,6 +14,7 @@ module krylov
   !> Result of an iteration.
   type :: krylov_report_t
     logical :: converged = .false.
+    logical :: rounds = .false.        !! the residual is not larger than rounding alone can leave
     logical :: indefinite = .false.    !! conjugate gradients met a direction of negative curvature
     logical :: slow = .false.          !! abandoned, because convergence was too slow
     integer :: iterations = 0          !! number of applications of the preconditioner
@@ -205,7 +206,7 @@ contains
     logical, intent(in) :: exhausted
     type(krylov_report_t), intent(inout) :: report
     real(wp), parameter :: ROUNDING = 10*epsilon(1.0_wp)
-    !> A larger relative residual means that the matrix is practically singular.
+    !> With a larger relative residual, the matrix may be practically singular.
     real(wp), parameter :: WORST = 1e-6_wp
     real(wp) :: total(size(b))
 
@@ -214,8 +215,8 @@ contains
     stops = report%converged .or. exhausted .or. .not. norm2(r) <= SLACK*before
     if (report%converged .or. .not. stops) return
     call row_sums(a, eq, total)
-    report%converged = report%residual <= WORST .and. &
-                       maxval(abs(r)) <= ROUNDING*(maxval(total)*maxval(abs(x)) + maxval(abs(b)))
+    report%rounds = maxval(abs(r)) <= ROUNDING*(maxval(total)*maxval(abs(x)) + maxval(abs(b)))
+    report%converged = report%rounds .and. report%residual <= WORST
   end function stops
 
 end module krylov

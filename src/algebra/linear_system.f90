@@ -54,6 +54,10 @@ module linear_system
   !> Largest number of attempts at a solve: with old factors, with corrected old factors, with new
   !! factors, and with exact factors.
   integer, parameter :: MOST_ATTEMPTS = 4
+  !> A larger residual is accepted if rounding alone may leave it, if no factors are better, and if
+  !! the matrix is not singular: in stiff parts that move far, the forces of rounding are large
+  !! compared with the loads. Newton's iteration then refines the solution.
+  real(wp), parameter :: ROUGH = 1.0e-2_wp
   !> Largest number of operations of a correction, relative to a new factorisation.
   real(wp), parameter :: WORTHWHILE = 0.3_wp
   integer, parameter :: EXACT_LIMIT = 10 !! limit on iterations with exact factors of this matrix
@@ -270,6 +274,7 @@ contains
         report%singular = size(report%null) > 0
         ls%factors%valid = .not. report%singular
         if (report%singular) x = 0.0_wp
+        run%converged = run%rounds .and. run%residual <= ROUGH .and. .not. report%singular
         exit
       end if
       if (ls%current) call be_exact(ls%factors)
