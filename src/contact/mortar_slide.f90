@@ -228,14 +228,21 @@ contains
     real(wp), parameter :: SAME = 1.0e-24_wp  ! squared distance of coincident points
     real(wp), parameter :: ON_LINE = 1.0e-6_wp ! ratio of moments of points that lie on a line
     real(wp) :: d(size(points, 2), 2), slope(size(points, 2)), mean(2), xx, yy, xy, det
+    integer :: nearest
 
     d(:, 1) = points(1, :) - xi(1)
     d(:, 2) = points(2, :) - xi(2)
     w = 1.0_wp/(d(:, 1)**2 + d(:, 2)**2 + SAME)**2
     w = w/sum(w)
+    ! The mean nearly coincides with a point close to xi. To find the small distance between them,
+    ! both are measured from this point.
+    nearest = maxloc(w, 1)
+    d(:, 1) = points(1, :) - points(1, nearest)
+    d(:, 2) = points(2, :) - points(2, nearest)
     mean = matmul(w, d)
     d(:, 1) = d(:, 1) - mean(1)
     d(:, 2) = d(:, 2) - mean(2)
+    mean = mean + (points(:, nearest) - xi)
     xx = sum(w*d(:, 1)**2)
     yy = sum(w*d(:, 2)**2)
     xy = sum(w*d(:, 1)*d(:, 2))
