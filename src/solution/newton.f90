@@ -9,6 +9,7 @@ module newton
                       full_vector
   use base_error, only: error_t
   use base_kinds, only: wp
+  use common_turn, only: turn_together
   use constrained_newton, only: solve_constrained
   use contact_assembly, only: begin_contact, set_secant, set_patience, overlap_found, &
                               overlap_accepted, has_followed, has_stale_cells
@@ -84,8 +85,9 @@ contains
   end subroutine begin_newton
 
   !> Before the first forces of a step are formed, find its prescribed motion, and predict the
-  !! displacements: state%u is that at the start of the step, state%factor and state%time are those
-  !! at its end, which PROP may have changed since the step began.
+  !! displacements, or turn the bodies with their supports: state%u is that at the start of the
+  !! step, state%factor and state%time are those at its end, which PROP may have changed since the
+  !! step began.
   subroutine begin_move(newton, model, state)
     type(newton_t), intent(inout) :: newton
     type(model_t), intent(in) :: model
@@ -95,9 +97,12 @@ contains
     if (.not. allocated(newton%move)) allocate (newton%move(3, model%mesh%nnode))
     call to_prescribed(model, state%factor, state%u, newton%move)
     newton%moves = any(abs(newton%move) > 0.0_wp)
-    if (.not. newton%predicts) return
-    call predict(model, state, newton%move, newton%piece, newton%predicted)
-    newton%moves = newton%moves .and. .not. newton%predicted
+    if (newton%predicts) then
+      call predict(model, state, newton%move, newton%piece, newton%predicted)
+      newton%moves = newton%moves .and. .not. newton%predicted
+    end if
+    if (.not. newton%moves .or. newton%constraint%on .or. state%dynamics%on) return
+    call turn_together(model, state, newton%move, newton%predicted)
   end subroutine begin_move
 
   !> Form forces and tangent at the current displacements; the trial history becomes that of this
@@ -174,6 +179,7 @@ contains
     else
       state%u = state%u_step
       state%u_base = state%u_step
+      call to_prescribed(model, state%factor, state%u, newton%move)
       newton%moves = any(abs(newton%move) > 0.0_wp)
       call form(newton%asm, model, state, sweep, error)
     end if
