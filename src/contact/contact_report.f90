@@ -352,9 +352,9 @@ contains
           trouble = contact%side(side)%name//' has passed through '//contact%side(3 - side)%name
         end if
         trouble = 'in contact '//contact%name//', a point of '//trouble//' to a depth of ' &
-                  //to_text(-gap, 3)
+                  //to_text(-gap, 6)
         if (-gap > contact%depth) trouble = trouble//', more than DEPTh ' &
-                                            //to_text(contact%depth, 3)
+                                            //to_text(contact%depth, 6)
         return
       end associate
     end do

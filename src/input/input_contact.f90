@@ -133,9 +133,9 @@ contains
     if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
     if (.not. start%overlap > 0.0_wp) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
-              //to_text(start%overlap, 3)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
+              //to_text(start%overlap, 6)//' at the start, at ('//to_text(start%x_overlap(1), 4) &
               //', '//to_text(start%x_overlap(2), 4)//', '//to_text(start%x_overlap(3), 4) &
-              //'), more than DEPTh '//to_text(contact%depth, 3), contact%place, 'move one of ' &
+              //'), more than DEPTh '//to_text(contact%depth, 6), contact%place, 'move one of ' &
               //'them, or give a larger DEPTh d, the largest penetration that counts as contact')
   end subroutine resolve_contact
 
