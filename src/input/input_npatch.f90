@@ -8,6 +8,7 @@ module input_npatch
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
+  use few_points, only: warn_few_nurbs_points
   use hexa_shape, only: tensor_rule
   use input_draft, only: draft_t
   use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
@@ -190,6 +191,8 @@ contains
       cell%degree = p
       if (all(q > 0)) then
         call tensor_rule(q, 0, 0, block%rule)
+        call warn_few_nurbs_points(q, p, shape(node), [size(iop1), size(iop2), size(iop3)], &
+                                   npatch_name(k), draft%npatch(k)%place)
       else
         call block%row%rule(cell, 0, 0, block%rule)
       end if
