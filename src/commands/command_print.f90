@@ -4,6 +4,7 @@ module command_print
   use base_comm, only: is_root
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
+  use base_log, only: warn
   use base_text, only: to_text
   use command_files, only: open_tables, keep_tables
   use command_type, only: run_t, command_t, command_row_t, new_row, whole_field, check_fields
@@ -46,7 +47,9 @@ contains
     integer :: first, last, step
 
     call read_range(run, command, first, last, step, error)
-    if (allocated(error) .or. run%program%dry .or. .not. run%plan%prints) return
+    if (allocated(error)) return
+    if (run%program%dry .and. command%visit == 1) call warn_short(run, command, first, last, step)
+    if (run%program%dry .or. .not. run%plan%prints) return
     call open_tables(run, error)
     if (allocated(error)) return
     if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
@@ -65,22 +68,13 @@ contains
     integer, intent(in) :: first, last, step
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: list(:)
-    integer :: d, i
-    real(wp) :: gap
 
     associate (out => run%files%out, model => run%model, state => run%state)
       if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
         call print_stresses(out, model, state, first, last, step, error)
         return
       end if
-      list = pack([(i, i=first, last, step)], model%mesh%used(first:last:step))
-      if (command%option == 'coor') then ! print the nodes of a plane
-        d = nint(command%x(1))
-        associate (x => model%mesh%xr)
-          gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
-          list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
-        end associate
-      end if
+      list = nodes_of_table(run, command, first, last, step)
       select case (command%record%key(1))
       case ('disp')
         call print_displacements(out, model, state, list, error)
@@ -91,6 +85,50 @@ contains
       end select
     end associate
   end subroutine write_table
+
+  !> Nodes of a table: those from `first` to `last` that exist or, with COOR, those on the plane.
+  function nodes_of_table(run, command, first, last, step) result(list)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last, step
+    integer, allocatable :: list(:)
+    integer :: d, i
+    real(wp) :: gap
+
+    list = pack([(i, i=first, last, step)], run%model%mesh%used(first:last:step))
+    if (command%option /= 'coor') return
+    d = nint(command%x(1))
+    associate (x => run%model%mesh%xr)
+      gap = 1.0e-3_wp/sqrt(real(size(x, 2), wp))*(maxval(x(d, list)) - minval(x(d, list)))
+      list = pack(list, [(abs(x(d, list(i)) - command%x(2)) <= gap, i=1, size(list))])
+    end associate
+  end function nodes_of_table
+
+  !> Warn if no node lies on the plane of COOR, or if a range ends before it begins.
+  subroutine warn_short(run, command, first, last, step)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last, step
+    integer :: d
+
+    associate (record => command%record)
+      if (command%option == 'coor') then
+        if (size(nodes_of_table(run, command, first, last, step)) > 0) return
+        d = nint(command%x(1))
+        associate (x => run%model%mesh%xr(d, :), used => run%model%mesh%used)
+          call warn('no node has the coordinate '//to_text(d)//' equal to ' &
+                    //to_text(command%x(2), 4)//': the table of '//record%text(1)//' is empty', &
+                    record%place(min(4, record%n)), 'the coordinates '//to_text(d) &
+                    //' of the nodes are between '//to_text(minval(x, used), 4)//' and ' &
+                    //to_text(maxval(x, used), 4)//', before any displacement')
+        end associate
+      else if (command%x(2) > 0.5_wp .and. command%x(2) < command%x(1)) then
+        call warn('the range of '//record%text(1)//' ends before it begins: only number ' &
+                  //to_text(first)//' is printed', record%place(4), &
+                  'give the smaller number first')
+      end if
+    end associate
+  end subroutine warn_short
 
   subroutine read_range(run, command, first, last, step, error)
     type(run_t), intent(in) :: run
