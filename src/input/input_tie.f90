@@ -186,6 +186,13 @@ contains
     if (d > 0) then
       where (abs(mesh%xr(d, :) - tie%coordinate) > grid%tol(d)) class = 0
     end if
+    do n = 1, mesh%nnode ! a node stands for those that earlier records have joined with it
+      m = n
+      do while (new(m) /= m)
+        m = new(m)
+      end do
+      class(m) = ior(class(m), class(n))
+    end do
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
       at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
