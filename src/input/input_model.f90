@@ -18,7 +18,7 @@ module input_model
   use input_motion, only: count_motions_once, report_moved_supports
   use input_numbers, only: warn_numbers
   use input_overlap, only: warn_overlaps
-  use input_resolve, only: resolve_supports, resolve_loads, resolve_curves
+  use input_resolve, only: follow_ties, resolve_supports, resolve_loads, resolve_curves
   use input_rigid, only: hold_rigid
   use input_tie, only: find_tied, tie_nodes
   use input_touching, only: warn_touching
@@ -73,6 +73,7 @@ contains
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
         call close_constraints(draft, mesh)
+        call follow_ties(draft, tied)
         if (draft%errors%count() > 0) exit stages
         call resolve_supports(draft, draft%model)
         call warn_supports_kept(draft, mesh)

@@ -10,15 +10,44 @@ module input_resolve
   use input_draft, only: draft_t
   use input_locate, only: locate_point
   use input_rigid, only: is_rigid_patch, warn_part_of_rigid
-  use input_where, only: find_faces, find_nodes, body_index
+  use input_where, only: where_t, find_faces, find_nodes, body_index, W_NODE
   use mesh, only: mesh_t, is_rigid
   use model, only: model_t
   use word_contact, only: contact_named
   implicit none
   private
-  public :: resolve_supports, resolve_loads, resolve_curves
+  public :: follow_ties, resolve_supports, resolve_loads, resolve_curves
 
 contains
+
+  !> Let NODE n of FIX, MOVE and CURVe name the node that replaces node n after TIE.
+  subroutine follow_ties(draft, new)
+    type(draft_t), intent(inout) :: draft
+    integer, intent(in) :: new(:) !! (nnode)
+    integer :: i, j
+
+    do i = 1, draft%nsupport
+      call follow(draft%support(i)%at)
+    end do
+    do i = 1, draft%nmotion
+      call follow(draft%motion(i)%at)
+    end do
+    do i = 1, draft%ncurve
+      do j = 1, size(draft%curve(i)%column)
+        call follow(draft%curve(i)%column(j)%at)
+      end do
+    end do
+
+  contains
+
+    subroutine follow(at)
+      type(where_t), intent(inout) :: at
+
+      if (at%type /= W_NODE .or. at%node < 1 .or. at%node > size(new)) return
+      at%node = new(at%node)
+    end subroutine follow
+
+  end subroutine follow_ties
 
   !> Find the nodes of FIX and MOVE records. FIX adds restraints, and MOVE becomes a prescribed
   !! motion.
