@@ -9,7 +9,7 @@ module input_check
   use input_contact, only: check_contacts
   use input_draft, only: draft_t, patch_entry_t
   use input_lists, only: MAX_NUMBER
-  use input_npatch, only: npatch_name
+  use input_npatch, only: npatch_name, npatch_named
   use input_rigid, only: check_rigid
   use input_tie, only: tie_tolerance
   use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
@@ -239,12 +239,11 @@ contains
   logical function is_known(draft, name) result(known)
     type(draft_t), intent(in) :: draft
     character(*), intent(in) :: name
-    integer :: i
+    integer :: k
 
     known = patch_named(draft, name) > 0
-    do i = 1, size(draft%npatch)
-      if (npatch_name(i) == name .and. .not. draft%npatch(i)%is_geometry) known = .true.
-    end do
+    k = npatch_named(draft, name)
+    if (k > 0) known = known .or. .not. draft%npatch(k)%is_geometry
   end function is_known
 
   !> Fail with the nearest name if no PATCh, MESH, SPLIne or NPATch has that name.

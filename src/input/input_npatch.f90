@@ -4,7 +4,7 @@ module input_npatch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_log, only: log_line
-  use base_text, only: to_text
+  use base_text, only: to_text, lower
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
@@ -17,17 +17,27 @@ module input_npatch
   use word_material, only: material_index
   implicit none
   private
-  public :: npatch_geometry, append_npatch, npatch_name
+  public :: npatch_geometry, append_npatch, npatch_name, npatch_named
 
 contains
 
   !> Name by which FIX and other records refer to the k-th NPATch.
-  function npatch_name(k) result(name)
+  pure function npatch_name(k) result(name)
     integer, intent(in) :: k
     character(:), allocatable :: name
 
     name = 'npatch'//to_text(k)
   end function npatch_name
+
+  !> Number of the NPATch of that name, whatever its case; 0: there is none.
+  pure integer function npatch_named(draft, name) result(k)
+    type(draft_t), intent(in) :: draft
+    character(*), intent(in) :: name
+
+    do k = size(draft%npatch), 1, -1
+      if (npatch_name(k) == lower(name)) return
+    end do
+  end function npatch_named
 
   !> Get the knot vectors and control points of an NPATch. The degree is the multiplicity of
   !! the first knot minus 1.

@@ -3,7 +3,7 @@ module input_thickness
   use base_error, only: error_t
   use base_kinds, only: wp
   use input_draft, only: draft_t
-  use input_npatch, only: npatch_geometry, npatch_name
+  use input_npatch, only: npatch_geometry, npatch_named
   use nurbs, only: nurbs_t, evaluate
   use patch_check, only: hemisphere_degree
   use patch_geometry, only: geometry_t, new_geometry
@@ -50,9 +50,8 @@ contains
         if (.not. allocated(error)) patch = geo%coarse
       end associate
     else
-      do k = 1, size(draft%npatch)
-        if (npatch_name(k) == name) call npatch_geometry(draft, k, patch, error)
-      end do
+      k = npatch_named(draft, name)
+      if (k > 0) call npatch_geometry(draft, k, patch, error)
     end if
     if (allocated(error)) return
     least = huge(least)
