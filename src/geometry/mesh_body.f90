@@ -5,13 +5,13 @@ module mesh_body
   use base_log, only: warn
   use base_text, only: to_text, quoted, lower, nearest
   use constraint, only: constraint_t
-  use face_rule, only: face_points, face_normal
   use format_text, only: text_t
   use mesh, only: mesh_t, block_t, body_t, body_face_t, group_t, append_nodes, append_blocks, &
                   append_body
   use mesh_check, only: check_shapes, check_elements
-  use mesh_faces, only: faces_t, find_boundary, face_of
+  use mesh_faces, only: faces_t, find_boundary, face_of, measure_face
   use mesh_file, only: mesh_file_t, mark_solids
+  use mesh_hanging, only: leave_hanging_faces
   use mesh_shape, only: choose_row
   use patch_spec, only: patch_spec_t, compose
   implicit none
@@ -65,6 +65,7 @@ contains
       if (.not. allocated(error)) call find_materials(spec, material, error)
       if (.not. allocated(error)) call find_boundary(file, spec%text, faces, error)
       if (allocated(error)) return
+      call leave_hanging_faces(file, spec%constraint, faces)
       call make_blocks(file, material, mesh, block, place)
       body%name = spec%spec%name
       body%place = spec%spec%place
@@ -286,10 +287,8 @@ contains
     real(wp), intent(in) :: volume          !! [L^3]
     type(body_t), intent(inout) :: body
     logical, allocatable :: used(:)
-    real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :)
-    real(wp) :: area, normal(3), ta(3), tb(3)
-    real(wp), parameter :: NONE(3, 1) = 0.0_wp
-    integer :: e, f, i, q
+    real(wp) :: area, part, normal(3)
+    integer :: e, f, i
 
     body%node = [(nnode + i, i=1, file%nnode)]
     body%label = file%number
@@ -307,15 +306,9 @@ contains
         associate (face => shape%topology%first(s:s + 1))
           body%mask(node(shape%topology%node(face(1):face(2) - 1))) = 1
         end associate
-        shp = [(0.0_wp, i=1, shape%nen)]
-        dshp = spread(shp, 1, 3)
-        call face_points(shape%cell%degree, NONE, s, xi, w)
-        do q = 1, size(w)
-          call shape%row%functions(shape%cell, xi(:, q), shp, dshp)
-          call face_normal(s, file%x(:, node), dshp, normal, ta, tb)
-          area = area + w(q)*norm2(normal)
-        end do
       end associate
+      call measure_face(file, faces, f, part, normal)
+      area = area + part
     end do
     body%thickness = 2.0_wp*volume/area
     allocate (used(file%nnode), source=.false.)

@@ -1,15 +1,16 @@
 !> Faces in a mesh file: finds the faces that bound the body, and those to which surface elements
 !! refer.
 module mesh_faces
-  use base_kinds, only: i8
+  use base_kinds, only: wp, i8
   use base_error, only: error_t
   use base_sort, only: sort, sort_index
   use base_text, only: to_text
+  use face_rule, only: face_points, face_normal
   use format_text, only: text_t, fail_in_file
   use mesh_file, only: mesh_file_t
   implicit none
   private
-  public :: faces_t, find_boundary, face_of
+  public :: faces_t, find_boundary, face_of, measure_face
 
   integer, parameter :: MOST = 4 !! largest number of corners of a face
 
@@ -130,5 +131,34 @@ contains
     end do
     f = 0
   end function face_of
+
+  !> Area of a face, and the integral of its outward normal.
+  subroutine measure_face(file, faces, f, area, normal)
+    type(mesh_file_t), intent(in) :: file
+    type(faces_t), intent(in) :: faces
+    integer, intent(in) :: f
+    real(wp), intent(out) :: area      !! [L^2]
+    real(wp), intent(out) :: normal(3) !! [L^2]
+    real(wp), parameter :: NONE(3, 1) = 0.0_wp
+    real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :)
+    real(wp) :: part(3), ta(3), tb(3)
+    integer :: q
+
+    area = 0.0_wp
+    normal = 0.0_wp
+    associate (e => faces%elem(f), side => faces%side(f))
+      associate (shape => file%shapes(file%shape(e)), &
+                 node => file%node(file%first(e):file%first(e + 1) - 1))
+        allocate (shp(shape%nen), dshp(3, shape%nen), source=0.0_wp)
+        call face_points(shape%cell%degree, NONE, side, xi, w)
+        do q = 1, size(w)
+          call shape%row%functions(shape%cell, xi(:, q), shp, dshp)
+          call face_normal(side, file%x(:, node), dshp, part, ta, tb)
+          area = area + w(q)*norm2(part)
+          normal = normal + w(q)*part
+        end do
+      end associate
+    end associate
+  end subroutine measure_face
 
 end module mesh_faces
