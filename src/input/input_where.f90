@@ -17,6 +17,8 @@ module input_where
                                 W_GROUP = 6
 
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
+  integer, parameter :: ALL_FACES = 63 !! mask of ALL
+
                              //'given by its two faces: 1-,3+'
   character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give one record for ' &
                              //'each face'
@@ -91,7 +93,7 @@ contains
       case ('side', 'sides')
         place%mask = 15
       case ('all')
-        place%mask = 63
+        place%mask = ALL_FACES
       case default
         f = face_number(place%face)
         if (f == 0) then
@@ -224,12 +226,14 @@ contains
     case (W_FACES, W_EDGE, W_GROUP)
       associate (body => mesh%body(body_index(mesh, place%body)))
         g = group_index(body, place%face)
-        if (g > 0) then
+        if (g > 0 .and. place%mask /= ALL_FACES) then
           on(body%group(g)%node) = .true.
         else
           do i = 1, size(body%node)
             n = iand(body%mask(i), place%mask)
             if (n == 0) cycle
+          if (g > 0) call warn_all(body, place, all(on(body%group(g)%node)) .and. &
+                                   count(on) == size(body%group(g)%node))
             if (n == place%mask .or. place%type == W_FACES) on(body%node(i)) = .true.
           end do
         end if
@@ -413,6 +417,19 @@ contains
     real(wp) :: x(3)
     integer :: b, e, i, j
 
+  !> Warn that ALL means the whole boundary of a body that has a group of this name, unless both
+  !! are the same or only the boundary can be meant.
+  subroutine warn_all(body, place, is_same)
+    type(body_t), intent(in) :: body
+    type(where_t), intent(in) :: place
+    logical, intent(in) :: is_same
+
+    if (is_same) return
+    call warn('ALL is the whole boundary of '//quoted(body%name)//', not its group ' &
+              //quoted(place%face), place%face_place, 'give the group another name, or put it ' &
+              //'into a second group, if the group is meant')
+  end subroutine warn_all
+
     do b = 1, size(mesh%block)
       do e = 1, mesh%block(b)%nelem
         if (count(on(mesh%block(b)%conn(:, e))) < 2) cycle
@@ -450,16 +467,20 @@ contains
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
     type(error_t), allocatable, intent(out) :: error
-    integer :: b, f, g
+    integer :: b, f, g, n
 
     allocate (block(0), elem(0), side(0))
     if (place%type /= W_FACES .and. place%type /= W_GROUP) then
+    if (g > 0) then
+      n = size(mesh%body(b)%group(g)%face%elem)
+      call warn_all(mesh%body(b), place, n == 0 .or. n == size(elem))
+    end if
       call fail(error, DECK_ERROR, 'expected a face of a patch', place%place, FACE_HINT)
       return
     end if
     b = body_index(mesh, place%body)
     g = group_index(mesh%body(b), place%face)
-    if (g > 0) then
+    if (g > 0 .and. place%mask /= ALL_FACES) then
       associate (group => mesh%body(b)%group(g))
         block = group%face%block
         elem = group%face%elem
