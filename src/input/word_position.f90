@@ -4,7 +4,7 @@
 !!
 !! Source: FEAPpv's manual
 module word_position
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text, quoted
@@ -66,23 +66,29 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
     type(condition_entry_t) :: r
-    logical :: more
+    type(place_t) :: gap
+    logical :: more, idle
 
+    idle = .false.
     call begin_requests(record, r, error)
     if (allocated(error)) return
     do
       call next_data(draft, deck, line, more, error)
-      if (allocated(error) .or. .not. more) return
+      if (allocated(error)) return
+      if (.not. more) exit
       if (line%key(1) == 'gap') then
         call read_gap(deck, line, r%gap, error)
         if (allocated(error)) return
+        gap = line%place(1)
+        idle = .true.
         cycle
       end if
       call get_integer(deck, line, 1, r%direction, error)
       if (allocated(error)) return
       if (r%direction == 0) then
         call end_set(draft, deck, line, 'directions are 1, 2 and 3', error)
-        return
+        if (allocated(error)) return
+        exit
       end if
       call check_count(line, 2, 5, 'direction coordinate '//value_names(r%word), error)
       if (allocated(error)) return
@@ -96,7 +102,9 @@ contains
       if (allocated(error)) return
       r%place = line%place(1)
       call append_request(draft, r)
+      idle = .false.
     end do
+    if (idle) call warn_idle_gap(gap)
   end subroutine read_planes
 
   !> Names of the three values of a record.
@@ -149,6 +157,14 @@ contains
                                       'give the distance within which nodes are found')
   end subroutine read_gap
 
+  !> Warn about a GAP that no record follows to which it could apply.
+  subroutine warn_idle_gap(place)
+    type(place_t), intent(in) :: place
+
+    call warn('GAP has no effect: it applies to the records that follow, and none follows', place, &
+              'write GAP before the records to which it shall apply')
+  end subroutine warn_idle_gap
+
   subroutine append_request(draft, r)
     type(draft_t), intent(inout) :: draft
     type(condition_entry_t), intent(in) :: r
@@ -175,7 +191,8 @@ contains
     character(12), allocatable :: words(:)
     type(record_t) :: line
     type(condition_entry_t) :: r
-    logical :: more, has_line
+    type(place_t) :: gap
+    logical :: more, has_line, idle
 
     call begin_requests(record, r, error)
     if (allocated(error)) return
@@ -183,10 +200,12 @@ contains
     if (r%word == R_CBOU) words = CBOU_RECORDS
     if (r%word == R_CSUR) words = CSUR_RECORDS
     has_line = .false.
+    idle = .false.
     do
       if (.not. has_line) then
         call next_data(draft, deck, line, more, error)
-        if (allocated(error) .or. .not. more) return
+        if (allocated(error)) return
+        if (.not. more) exit
       end if
       has_line = .false.
       r%place = line%place(1)
@@ -198,19 +217,25 @@ contains
       select case (line%key(1))
       case ('gap')
         call read_gap(deck, line, r%gap, error)
+        gap = line%place(1)
+        idle = .true.
       case ('node')
+        idle = .false.
         call check_count(line, 5, 7, 'NODE x y z '//value_names(r%word), error)
         if (.not. allocated(error)) call get_numbers(deck, line, 2, r%at, error, 0.0_wp)
         if (.not. allocated(error)) call get_values(deck, line, 5, r, error)
         r%direction = 0
         if (.not. allocated(error)) call append_request(draft, r)
       case ('surf')
+        idle = .false.
         call read_surface(draft, deck, r, line, has_line, error)
       case default ! CARTesian, NORMal: the only choice
         call check_count(line, 1, 1, line%text(1)//' has no options', error)
       end select
-      if (allocated(error) .or. .not. draft%in_set) return
+      if (allocated(error)) return
+      if (.not. draft%in_set) exit
     end do
+    if (idle) call warn_idle_gap(gap)
   end subroutine read_places
 
   !> Read SURFace [codes], then its points `i x y z [p]`. `line` is the record after them if
