@@ -29,7 +29,8 @@ module input_surface
   real(wp), parameter :: OUTSIDE = 1.0e-4_wp   !! distance outside the boundary, in parameters, that
   !! still counts as inside
   real(wp), parameter :: ALIGNED = 0.8_wp      !! smallest cosine of the angle between the normals
-  real(wp), parameter :: LEAST_SHARE = 0.9_wp !! smallest loaded share of the area without a warning
+  real(wp), parameter :: LEAST_SHARE = 0.9_wp, MOST_SHARE = 1.1_wp !! smallest and largest loaded
+  !! share of the area without a warning
   integer, parameter :: MAX_ITER = 100
   !> Signs of the coordinates of FEAP's nine points in the parameter plane of the surface.
   integer, parameter :: AT1(9) = [-1, 1, 1, -1, 0, 1, 0, -1, 0], &
@@ -226,6 +227,10 @@ contains
     integer :: i, j, q
 
     call gauss_quad(5, 5, xi, w)
+      else if (loaded > MOST_SHARE*whole) then
+        call warn('the pressure acts on '//to_text(loaded/whole, 3)//' times the area of its ' &
+                  //'surface: faces that lie behind each other are within GAP', r%place, &
+                  'give a smaller distance with GAP, or use PRESsure')
     area = 0.0_wp
     do i = -1, 1, 2
       do j = -1, 1, 2
