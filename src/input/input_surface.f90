@@ -18,6 +18,7 @@ module input_surface
   use mesh_boundary, only: find_outer_faces
   use quadrature, only: gauss_quad
   use tensor, only: cross
+  use word_position, only: R_CBOU
   implicit none
   private
   public :: mark_surface, load_surface
@@ -59,7 +60,66 @@ contains
       if (on(n)) on(n) = all(mesh%xr(:, n) >= low) .and. all(mesh%xr(:, n) <= high)
       if (on(n)) call project(r%surface, mesh%xr(:, n), gap, xi, normal, on(n))
     end do
+    if (r%word == R_CBOU) call mark_faces(mesh, r, on)
   end subroutine mark_surface
+
+  !> Mark all nodes of those outer faces of elements that have their corners on the surface. On a
+  !! curved surface the control points of a face lie off it, and so do the middle nodes of faces
+  !! with straight edges.
+  subroutine mark_faces(mesh, r, on)
+    type(mesh_t), intent(in) :: mesh
+    type(condition_entry_t), intent(in) :: r
+    logical, intent(inout) :: on(:) !! (nnode) nodes on the surface
+    type(marks_t), allocatable :: outer(:)
+    type(topology_t) :: topology
+    type(cell_t) :: cell
+    logical, allocatable :: near(:)
+    integer :: b, e, f
+
+    if (.not. any(mesh%block%row%spline .or. mesh%block%nen > 8)) return
+    allocate (near, source=on)
+    call mark_outer(mesh, outer)
+    do b = 1, size(mesh%block)
+      if (is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        if (.not. any(outer(b)%face(:, e))) cycle
+        if (.not. is_near(mesh, mesh%block(b), e, r, near)) cycle
+        call block_cell(mesh%block(b), e, cell)
+        call mesh%block(b)%row%topology(cell, topology)
+        if (topology%nface /= 6) cycle
+        do f = 1, 6
+          if (.not. outer(b)%face(f, e)) cycle
+          if (.not. has_corners_on(mesh, mesh%block(b), e, f, cell, r)) cycle
+          associate (node => topology%node(topology%first(f):topology%first(f + 1) - 1))
+            on(mesh%block(b)%conn(node, e)) = .true.
+          end associate
+        end do
+      end do
+    end do
+  end subroutine mark_faces
+
+  !> Do all corners of face f of element e lie on the surface?
+  logical function has_corners_on(mesh, block, e, f, cell, r) result(lie)
+    type(mesh_t), intent(in) :: mesh
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e, f
+    type(cell_t), intent(in) :: cell
+    type(condition_entry_t), intent(in) :: r
+    real(wp) :: corner(3, 4), low(3), high(3), gap, xi(2), normal(3), shp(block%nen), &
+                dshp(3, block%nen)
+    integer :: a, b, i, k
+
+    call search_box(r, mesh%nnode, low, high, gap)
+    call face_directions(f, k, a, b)
+    corner(k, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
+    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
+    do i = 1, 4
+      call block%row%functions(cell, corner(:, i), shp, dshp)
+      call project(r%surface, matmul(mesh%xr(:, block%conn(:, e)), shp), gap, xi, normal, lie)
+      if (.not. lie) return
+    end do
+  end function has_corners_on
 
   !> Find the gap, which is FEAP's unless the record gives another one, and the bounding box of the
   !! surface, enlarged on each side by 1.5 times the gap.
@@ -167,6 +227,10 @@ contains
                   //'its surface', r%place, 'a pressure acts on whole outer faces of elements: ' &
                   //'give a surface whose edges are edges of elements, or widen the search with ' &
                   //'GAP d')
+      else if (loaded > MOST_SHARE*whole) then
+        call warn('the pressure acts on '//to_text(loaded/whole, 3)//' times the area of its ' &
+                  //'surface: faces that lie behind each other are within GAP', r%place, &
+                  'give a smaller distance with GAP, or use PRESsure')
       end if
     else if (ninner > 0) then
       call fail(error, DECK_ERROR, 'the surface lies inside a body: each element face on it ' &
@@ -227,10 +291,6 @@ contains
     integer :: i, j, q
 
     call gauss_quad(5, 5, xi, w)
-      else if (loaded > MOST_SHARE*whole) then
-        call warn('the pressure acts on '//to_text(loaded/whole, 3)//' times the area of its ' &
-                  //'surface: faces that lie behind each other are within GAP', r%place, &
-                  'give a smaller distance with GAP, or use PRESsure')
     area = 0.0_wp
     do i = -1, 1, 2
       do j = -1, 1, 2
@@ -258,27 +318,18 @@ contains
     real(wp), intent(inout) :: loaded         !! area of the faces [L^2]
     integer, intent(inout) :: ninner
     real(wp), allocatable :: xi(:, :), w(:), shp(:), dshp(:, :), x(:, :)
-    real(wp) :: corner(3, 4), area(3), t1(3), t2(3), normal(3), load, low(3), high(3), gap, &
-                eta(2), g(9), d(2, 9)
+    real(wp) :: centre(3), area(3), t1(3), t2(3), normal(3), load, eta(2), g(9), d(2, 9)
     logical :: lies
-    integer :: a, b, k, q, i
+    integer :: q, i
 
+    if (.not. has_corners_on(mesh, block, e, f, cell, r)) return
     allocate (x, source=mesh%xr(:, block%conn(:, e)))
     allocate (shp(block%nen), dshp(3, block%nen))
-    call search_box(r, mesh%nnode, low, high, gap)
-    call face_directions(f, k, a, b)
-    corner(k, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
-    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
-    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
-    do i = 1, 4
-      call block%row%functions(cell, corner(:, i), shp, dshp)
-      call project(r%surface, matmul(x, shp), gap, eta, normal, lies)
-      if (.not. lies) return
-    end do
-    corner([a, b], 1) = 0.0_wp ! the centre
-    call block%row%functions(cell, corner(:, 1), shp, dshp)
+    centre = 0.0_wp
+    centre((f + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    call block%row%functions(cell, centre, shp, dshp)
     call face_normal(f, x, dshp, area, t1, t2)
-    call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
+    call project(r%surface, matmul(x, shp), huge(load), eta, normal, lies)
     if (.not. dot_product(area, normal) > ALIGNED*norm2(area)*norm2(normal)) return
     if (.not. is_outer) then
       ninner = ninner + 1
@@ -289,7 +340,7 @@ contains
       call block%row%functions(cell, xi(:, q), shp, dshp)
       call face_normal(f, x, dshp, area, t1, t2)
       loaded = loaded + w(q)*norm2(area)
-      call project(r%surface, matmul(x, shp), huge(gap), eta, normal, lies)
+      call project(r%surface, matmul(x, shp), huge(load), eta, normal, lies)
       call functions(eta, g, d)
       load = w(q)*dot_product(g, r%surface(4, :))
       do i = 1, block%nen
