@@ -15,13 +15,14 @@ module input_conditions
   use boundary, only: boundary_t, moved_dofs, note_load_number, LOOSE_FREE, LOOSE_MOVED, &
                       LOOSE_ADDED
   use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
+  use input_plane, only: plane_t, warn_plane, warn_inside
   use input_surface, only: mark_surface, load_surface
-  use input_where, only: equally_near, warn_between, warn_far, warn_rigid, warn_layers
+  use input_where, only: equally_near, warn_between, warn_far, warn_rigid, W_PLANE
   use mesh, only: mesh_t, solid_nodes
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
-  public :: apply_conditions, warn_supports_kept, warn_added, note_loose
+  public :: apply_conditions, warn_supports_kept, warn_added, warn_planes_inside, note_loose
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
   !! are selected (FEAP), relative to the extent of the mesh; for EBOUndary and EPROportional it is
@@ -205,6 +206,7 @@ contains
     type(boundary_t), intent(inout) :: bc
     type(error_t), allocatable, intent(out) :: error
     logical, allocatable :: on(:), near(:)
+    type(plane_t) :: plane
     logical :: kept ! the surface keeps restraints that the record does not give
     integer :: n
 
@@ -218,8 +220,12 @@ contains
         if (.not. r%gap >= 0.0_wp) call warn_between(mesh, near, any(r%word == [R_CBOU, R_CDIS]), &
                                                      r%place)
       else
-        call warn_layers(mesh, r%direction, on, plane_gap(mesh, r, active), r%place, &
-                         'give a smaller distance with GAP')
+        plane%direction = r%direction
+        plane%gap = plane_gap(mesh, r, active)
+        plane%gap_is_given = r%gap >= 0.0_wp
+        plane%place = r%place
+        plane%hint = 'give a smaller distance with GAP'
+        call warn_plane(mesh, plane, on, new)
       end if
     end if
     if (.not. any(active)) then
@@ -437,6 +443,59 @@ contains
       end associate
     end do
   end subroutine warn_added
+
+  !> Warn about planes inside bodies of splines that EBOUndary, FIX or MOVE restrains. All
+  !! restraints and motions must have been set before.
+  subroutine warn_planes_inside(draft, mesh, new, bc)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: new(:) !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    logical, allocatable :: active(:), on(:), free(:, :)
+    integer :: i
+
+    if (.not. any(mesh%block%row%spline)) return
+    allocate (free, source=bc%fixed == 0 .and. .not. moved_dofs(bc, mesh%nnode))
+    call mark_active(draft, mesh, active)
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (r%word /= R_EBOU) cycle
+        call mark(mesh, r, active, on)
+        on(pack(new, on)) = .true.
+        call warn_inside(mesh, r%direction, on, is_free(nint(r%value) /= 0), r%place)
+      end associate
+    end do
+    do i = 1, draft%nsupport
+      associate (support => draft%support(i))
+        if (support%at%type /= W_PLANE) cycle
+        on = spread(.false., 1, mesh%nnode)
+        on(support%node) = .true.
+        call warn_inside(mesh, support%at%direction, on, is_free(support%code /= 0), &
+                         support%at%place)
+      end associate
+    end do
+    do i = 1, draft%nmotion
+      associate (at => draft%motion(i)%at, motion => bc%motion(i))
+        if (at%type /= W_PLANE) cycle
+        on = spread(.false., 1, mesh%nnode)
+        on(motion%node) = .true.
+        call warn_inside(mesh, at%direction, on, is_free(motion%acts .or. motion%rotates), &
+                         at%place)
+      end associate
+    end do
+
+  contains
+
+    !> Mark the nodes that are free in one of the given directions.
+    pure function is_free(restrained) result(yes)
+      logical, intent(in) :: restrained(3)
+      logical :: yes(mesh%nnode)
+      integer :: n
+
+      yes = [(any(free(:, n) .and. restrained), n=1, mesh%nnode)]
+    end function is_free
+
+  end subroutine warn_planes_inside
 
   !> Warn about records of EPRO that give load numbers to no force and no displacement.
   subroutine warn_idle_numbers(draft, mesh, active, new, bc)

@@ -6,7 +6,8 @@ module input_model
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
-  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, note_loose
+  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, &
+                              warn_planes_inside, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_twisted, warn_locking
@@ -72,14 +73,15 @@ contains
         call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
-        call close_constraints(draft, mesh)
         call follow_ties(draft, tied)
+        call close_constraints(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call resolve_supports(draft, draft%model)
         call warn_supports_kept(draft, mesh)
         call hold_rigid(draft, draft%model)
         call count_motions_once(draft, mesh%nnode, bc)
         call report_moved_supports(draft, mesh%xr, bc)
+        call warn_planes_inside(draft, mesh, tied, bc)
         call release_slaves(draft, mesh, bc)
         call resolve_loads(draft, draft%model)
         call warn_added(draft, mesh, tied, bc)

@@ -7,18 +7,19 @@ module input_where
   use base_text, only: lower, to_text, quoted
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
+  use input_plane, only: plane_t, warn_plane
   use mesh, only: mesh_t, body_t, mark_rigid
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
-  public :: equally_near, nearest_nodes, warn_between, warn_far, warn_rigid, warn_layers
+  public :: equally_near, nearest_nodes, warn_between, warn_far, warn_rigid
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
 
-  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
   integer, parameter :: ALL_FACES = 63 !! mask of ALL
 
+  character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
                              //'given by its two faces: 1-,3+'
   character(*), parameter :: ONE_FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+; give one record for ' &
                              //'each face'
@@ -26,9 +27,6 @@ module input_where
   !! relative to the mesh's extent divided by the square root of the number of nodes (as EBOUndary)
   real(wp), parameter :: POINT_GAP = 1.0e-10_wp !! nodes are equally near to a point if the
   !! squares of their distances differ by no more than this times the square of the extent (FEAP)
-
-  real(wp), parameter :: BEHIND = 0.7_wp !! a node lies behind another one if the cosine of the
-  !! angle between the line through both and the normal of the plane exceeds this
 
   !> A place in the reference mesh, resolved after TIE. W_GROUP stands for any name that is not the
   !! name of a face; the body must then be a MESH or a SPLIne.
@@ -217,7 +215,7 @@ contains
     logical, intent(in) :: all_near !! take all nodes equally near to a POINt, otherwise the first
     logical, intent(in) :: no_rigid !! ignore rigid bodies at a POINt
     logical, allocatable :: on(:)
-    real(wp) :: gap
+    type(plane_t) :: plane
     integer :: g, i, n
 
     allocate (on(mesh%nnode), source=.false.)
@@ -232,10 +230,10 @@ contains
           do i = 1, size(body%node)
             n = iand(body%mask(i), place%mask)
             if (n == 0) cycle
-          if (g > 0) call warn_all(body, place, all(on(body%group(g)%node)) .and. &
-                                   count(on) == size(body%group(g)%node))
             if (n == place%mask .or. place%type == W_FACES) on(body%node(i)) = .true.
           end do
+          if (g > 0) call warn_all(body, place, all(on(body%group(g)%node)) .and. &
+                                   count(on) == size(body%group(g)%node))
         end if
       end associate
     case (W_NODE)
@@ -258,12 +256,15 @@ contains
       if (.not. all_near) on(i + 1:) = .false.
     case default ! W_PLANE
       associate (x => mesh%xr(place%direction, :))
-        gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used))/sqrt(real(mesh%nnode, wp))
-        on = mesh%used .and. abs(x - place%x(1)) <= gap
+        plane%gap = ON_PLANE*(maxval(x, mesh%used) - minval(x, mesh%used)) &
+                    /sqrt(real(mesh%nnode, wp))
+        on = mesh%used .and. abs(x - place%x(1)) <= plane%gap
       end associate
-      call warn_layers(mesh, place%direction, on, gap, place%place, &
-                       'name a face of a patch instead of the plane, or use EBOUndary or ' &
-                       //'EDISplacement with GAP d')
+      plane%direction = place%direction
+      plane%place = place%place
+      plane%hint = 'name a face of a patch instead of the plane, or use EBOUndary or ' &
+                   //'EDISplacement with GAP d'
+      call warn_plane(mesh, plane, on)
     end select
     on = on .and. mesh%used
     node = pack([(i, i=1, mesh%nnode)], on)
@@ -404,18 +405,17 @@ contains
     text = 'the nearest node, '//to_text(node)//', is '//to_text(away, 3)//' away from this point'
   end function far_text
 
-  !> Warn about an element with two layers of nodes near a plane, one behind the other along the
-  !! normal of the plane.
-  subroutine warn_layers(mesh, direction, on, gap, place, hint)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: direction
-    logical, intent(in) :: on(:)       !! (nnode) nodes that are found on the plane
-    real(wp), intent(in) :: gap        !! distance within which nodes are found [L]
-    type(place_t), intent(in) :: place !! place of the plane in the deck
-    character(*), intent(in) :: hint
-    integer, allocatable :: node(:)
-    real(wp) :: x(3)
-    integer :: b, e, i, j
+  !> Index of a named group of a body; 0: there is none.
+  pure integer function group_index(body, name) result(g)
+    type(body_t), intent(in) :: body
+    character(*), intent(in) :: name
+
+    g = 0
+    if (.not. allocated(body%group)) return
+    do g = size(body%group), 1, -1
+      if (lower(body%group(g)%name) == lower(name)) return
+    end do
+  end function group_index
 
   !> Warn that ALL means the whole boundary of a body that has a group of this name, unless both
   !! are the same or only the boundary can be meant.
@@ -430,37 +430,6 @@ contains
               //'into a second group, if the group is meant')
   end subroutine warn_all
 
-    do b = 1, size(mesh%block)
-      do e = 1, mesh%block(b)%nelem
-        if (count(on(mesh%block(b)%conn(:, e))) < 2) cycle
-        node = pack(mesh%block(b)%conn(:, e), on(mesh%block(b)%conn(:, e)))
-        do i = 2, size(node)
-          do j = 1, i - 1
-            x = abs(mesh%xr(:, node(i)) - mesh%xr(:, node(j)))
-            if (x(direction) <= norm2(x)*BEHIND) cycle
-            call warn('the plane selects all nodes up to '//to_text(gap, 3)//' away, among them ' &
-                      //'nodes '//to_text(node(j))//' and '//to_text(node(i))//' of the same ' &
-                      //'element, one of which lies '//to_text(x(direction), 3)//' behind the ' &
-                      //'other', place, hint)
-            return
-          end do
-        end do
-      end do
-    end do
-  end subroutine warn_layers
-
-  !> Index of a named group of a body; 0: there is none.
-  pure integer function group_index(body, name) result(g)
-    type(body_t), intent(in) :: body
-    character(*), intent(in) :: name
-
-    g = 0
-    if (.not. allocated(body%group)) return
-    do g = size(body%group), 1, -1
-      if (lower(body%group(g)%name) == lower(name)) return
-    end do
-  end function group_index
-
   !> Find the element faces that belong to the named faces or the named group of a body.
   subroutine find_faces(mesh, place, block, elem, side, error)
     type(mesh_t), intent(in) :: mesh
@@ -471,10 +440,6 @@ contains
 
     allocate (block(0), elem(0), side(0))
     if (place%type /= W_FACES .and. place%type /= W_GROUP) then
-    if (g > 0) then
-      n = size(mesh%body(b)%group(g)%face%elem)
-      call warn_all(mesh%body(b), place, n == 0 .or. n == size(elem))
-    end if
       call fail(error, DECK_ERROR, 'expected a face of a patch', place%place, FACE_HINT)
       return
     end if
@@ -506,6 +471,10 @@ contains
         side = [side, face%side]
       end associate
     end do
+    if (g > 0) then
+      n = size(mesh%body(b)%group(g)%face%elem)
+      call warn_all(mesh%body(b), place, n == 0 .or. n == size(elem))
+    end if
     if (size(elem) == 0) call fail(error, DECK_ERROR, quoted(place%body)//' has no face ' &
                                    //quoted(place%face), place%face_place, &
                                    '3- and ALL name the whole surface of a spline')
