@@ -2,13 +2,15 @@
 module model_hash
   use base_hash, only: hash_t
   use boundary, only: boundary_t
+  use constraint, only: constraint_t
   use contact_pair, only: contact_t, assigned_law_t
+  use mesh, only: block_t
   use model, only: model_t
   implicit none
   private
   public :: hash_model
 
-  integer, parameter, public :: NPART = 8, CONSTANT_PART = 7, LOAD_PART = 8
+  integer, parameter, public :: NPART = 9, CONSTANT_PART = 7, LOAD_PART = 8
   character(40), parameter, public :: PART(NPART) = [character(40) :: &
                                                      'the coordinates of nodes', &
                                                      'the nodes of elements', &
@@ -17,7 +19,8 @@ module model_hash
                                                      'the supports', &
                                                      'the contacts', &
                                                      'the constants of materials or contacts', &
-                                                     'the loads and prescribed motions']
+                                                     'the loads and prescribed motions', &
+                                                     'the knots of splines or hanging nodes']
 
 contains
 
@@ -42,8 +45,10 @@ contains
           call hash(3)%add(pack(block%rule%xi, .true.))
           call hash(3)%add(block%rule%wgt)
           if (allocated(block%ext%w)) call hash(1)%add(pack(block%ext%w, .true.))
+          call add_extraction(block, hash(9))
         end associate
       end do
+      if (mesh%constraint%n > 0) call add_constraints(mesh%constraint, hash(9))
     end associate
     do i = 1, size(model%material)
       associate (m => model%material(i))
@@ -63,6 +68,39 @@ contains
       digits(i) = hash(i)%digits()
     end do
   end subroutine hash_model
+
+  !> Add the operators of splines, which depend on their knots.
+  pure subroutine add_extraction(block, hash)
+    type(block_t), intent(in) :: block
+    type(hash_t), intent(inout) :: hash
+    integer :: i
+
+    if (allocated(block%ext%op)) then
+      do i = 1, size(block%ext%op)
+        call hash%add(pack(block%ext%op(i)%c, .true.))
+      end do
+      call hash%add(pack(block%ext%iop, .true.))
+    end if
+    if (allocated(block%ext%surface)) then
+      do i = 1, size(block%ext%surface)
+        call hash%add(pack(block%ext%surface(i)%c, .true.))
+      end do
+      call hash%add(block%ext%isurface)
+    end if
+  end subroutine add_extraction
+
+  !> Add the constraints of hanging nodes.
+  pure subroutine add_constraints(list, hash)
+    type(constraint_t), intent(in) :: list
+    type(hash_t), intent(inout) :: hash
+    integer :: last
+
+    last = list%first(list%n + 1) - 1
+    call hash%add(list%slave(:list%n))
+    call hash%add(list%first(:list%n + 1))
+    call hash%add(list%master(:last))
+    call hash%add(list%c(:last))
+  end subroutine add_constraints
 
   pure subroutine add_loads(bc, hash)
     type(boundary_t), intent(in) :: bc

@@ -46,6 +46,42 @@ class Restart(Folder):
         other = self.deck.replace("FIX,a,3- 1 1 1", "FIX,a,2- 1 1 1")
         self.refused(self.continued(text=other), "it has 27 equations, and this model has 36")
 
+    def test_other_knots_are_another_model(self):
+        points = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 0.25, 0.75, 1)]
+        lines = [f"  {n} 0 {x} {y} {z} 1" for n, (x, y, z) in enumerate(points, 1)]
+        rows = ["    " + " ".join(str(4 * i + n) for n in (1, 2, 3, 4)) for i in range(4)]
+        spline = "\n".join(["NURBs", *lines, "", "KNOTs", "  open 1 7  0 0 0 knot 1 1 1"])
+        spline += "\n  open 2 4  0 0 1 1\n\nNPATch\n  solid 1  2 2 4  2 2 1\n" + "\n".join(rows)
+        head, rest = self.deck.split("PATCh,a", 1)
+        rest = rest.split("\n\n", 1)[1].replace(",a,", ",npatch1,").replace(" a ", " npatch1 ")
+        head = head.replace("  n = 2", "  knot = 0.5")
+        self.of_another_model(head + spline + "\n\n" + rest, "knot=0.4")
+
+    def test_other_constraints_are_another_model(self):
+        folder = TOP / "verification" / "trouble" / "silent"
+        shutil.copy(folder / "hanging_cube.msh", self.at)
+        constraints = (folder / "hanging_cube.con").read_text()
+        (self.at / "first.con").write_text(constraints)
+        (self.at / "second.con").write_text(
+            constraints.replace("1 0.25 5 0.25 4 0.25 8 0.25", "1 0.1 5 0.4 4 0.4 8 0.1")
+        )
+        head, rest = self.deck.split("PATCh,a", 1)
+        rest = rest.split("\n\n", 1)[1].replace("FIX,a,3-", "FIX,PLANe,3,0")
+        rest = rest.replace("MOVE,a,3+", "MOVE,PLANe,3,2").replace("FORCe a 3-", "FORCe PLANe 3 0")
+        mesh = "MESH,a FILE hanging_cube.msh\n  CONStraint first.con\n  MATErial 1\n\n"
+        deck = head + mesh + rest
+        self.of_another_model(deck, text=deck.replace("first.con", "second.con"))
+
+    def of_another_model(self, deck, *settings, text=None):
+        """Check that the checkpoint of a deck is refused by one with other knots or constraints."""
+        (self.at / "box.inp").write_text(deck)
+        done = self.run_bezel("--set", "ends=0.5", "box.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.refused(
+            self.continued(*settings, text=text or deck),
+            "differs in the knots of splines or hanging nodes",
+        )
+
     def test_loads_may_change_and_the_log_says_so(self):
         done = self.continued("way=0.2")
         self.assertEqual(done.returncode, 0, done.stderr)
