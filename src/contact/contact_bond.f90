@@ -12,7 +12,8 @@
 !! All tractions act on the reference area.
 module contact_bond
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, surface_t
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, release_of, &
+                          surface_t
   use contact_point, only: energy_at_rest, outer
   use contact_type, only: cohesion_t, LARGEST_OPENINGS, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
@@ -170,9 +171,9 @@ contains
     integer :: i, j, peak
 
     past = 0.0_wp
-    contact%strongest = contact%released
+    contact%strongest = maxval(contact%released)
     contact%weakened = 0.0_wp
-    opening = [(contact%released*i/SAMPLES, i=1, SAMPLES)]
+    opening = [(maxval(contact%released)*i/SAMPLES, i=1, SAMPLES)]
     do j = 1, 2
       do i = 1, SAMPLES
         call contact%cohesive%law%cohesive(contact%cohesive%prop, 0.0_wp, opening(i)*MODE(:, j), &
@@ -256,7 +257,7 @@ contains
     type(bond_traction_t), intent(out) :: bond
     type(cohesion_t) :: c
     real(wp) :: g(3), n(3), up(3, 2), lag, p, dp, energy, hold, r, rate, z, past
-    real(wp) :: depth, opened(3)
+    real(wp) :: depth, normal, shear(3), now
     integer :: j
 
     lag = 0.0_wp
@@ -278,22 +279,27 @@ contains
     ! gradually replaces it. If points load both surfaces, the opening at the start of the step is
     ! used, because the elements of the partner and of the projection are not coupled. A damaged
     ! bond that closes keeps the share of its largest opening, because it does not heal. Its
-    ! penetration is not an opening, as in the laws with damage.
+    ! penetration is not an opening, as in the laws with damage. r is the opening as a fraction of
+    ! the opening at which the bond is released (release_of).
     bond%gap = dot_product(n, g)
     depth = 0.0_wp
     if (.not. contact%cohesive%law%heals) depth = min(0.0_wp, bond%gap)
-    opened = g - depth*n
-    past = opening_before(contact, points, i)
+    normal = bond%gap - depth
+    shear = g - bond%gap*n
+    now = release_of(contact, [normal, norm2(shear)])
+    past = release_before(contact, points, i)
     r = past
-    if (.not. contact%balanced) r = max(norm2(opened), past)
-    z = min(1.0_wp, max(0.0_wp, 2*r/contact%released - 1.0_wp))
+    if (.not. contact%balanced) r = max(now, past)
+    z = min(1.0_wp, max(0.0_wp, 2*r - 1.0_wp))
     bond%share = smoothstep(z)
-    if (z > 0.0_wp .and. norm2(opened) > past .and. .not. contact%balanced) then
-      rate = 6*z*(1.0_wp - z)*(2/contact%released)/r
-      bond%slope = rate*opened
-      do j = 1, 2
-        bond%tilt(:, j) = rate*depth*dot_product(g, up(:, j))*n
-      end do
+    if (z > 0.0_wp .and. now > past .and. .not. contact%balanced) then
+      rate = 12*z*(1.0_wp - z)/r
+      associate (s => contact%released)
+        bond%slope = rate*(normal/s(1)**2*n + shear/s(2)**2)
+        do j = 1, 2
+          bond%tilt(:, j) = rate*(bond%gap/s(2)**2 - normal/s(1)**2)*dot_product(g, up(:, j))*n
+        end do
+      end associate
     end if
     hold = 1.0_wp - bond%share
     call contact%normal%law%normal(contact%normal%prop, bond%gap, points%multiplier(i), p, dp, &
@@ -358,25 +364,29 @@ contains
     needed = .true.
     if (.not. contact%on_pair) return
     call position_on(other, points%bond(i), points%bond_xi(:, i), x, work, partner)
-    needed = 2*max(norm2(at - partner), opening_before(contact, points, i)) &
-             > (1.0_wp - NEARLY)*contact%released
-    if (contact%balanced) needed = 2*opening_before(contact, points, i) > contact%released
+    if (contact%balanced) then
+      needed = 2*release_before(contact, points, i) > 1.0_wp
+    else ! an upper bound of the release, since the normal at the partner is not known
+      needed = 2*max(norm2(at - partner)/minval(contact%released), &
+                     release_before(contact, points, i)) > 1.0_wp - NEARLY
+    end if
   end subroutine needs_projection
 
-  !> Opening of bonded point i before the current step that decides how much of the penalty still
-  !! acts between the point and its partner: the largest one if the law has damage. With a
-  !! reversible law it is the last one if points load both surfaces; otherwise it does not matter.
-  pure real(wp) function opening_before(contact, points, i) result(opening)
+  !> Release (release_of) of bonded point i before the current step that decides how much of the
+  !! penalty still acts between the point and its partner: the largest one if the law has damage.
+  !! With a reversible law it is the last one if points load both surfaces; otherwise it does not
+  !! matter.
+  pure real(wp) function release_before(contact, points, i) result(release)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(in) :: points
     integer, intent(in) :: i
 
-    opening = 0.0_wp
+    release = 0.0_wp
     if (.not. contact%cohesive%law%heals) then
-      opening = norm2(points%past_step(LARGEST_OPENINGS, i))
+      release = release_of(contact, points%past_step(LARGEST_OPENINGS, i))
     else if (contact%balanced) then
-      opening = points%opening_step(i)
+      release = release_of(contact, [points%opening_step(i), 0.0_wp])
     end if
-  end function opening_before
+  end function release_before
 
 end module contact_bond

@@ -52,8 +52,8 @@ contains
     real(wp), intent(out) :: now(:)
     type(cohesion_t), intent(out) :: c
 
-    call pull_by_secants(secants, REVERSIBLE, prop, released(prop), lag, g, 0.0_wp*n, past, now, &
-                         c, potential)
+    call pull_by_secants(secants, REVERSIBLE, prop, RELEASED_AT*prop(2), lag, g, 0.0_wp*n, past, &
+                         now, c, potential)
   end subroutine reversible_law
 
   !> T = -(T0/g0) exp(1 - k/g0) g, where k is the largest opening so far.
@@ -62,7 +62,7 @@ contains
     real(wp), intent(out) :: now(:)
     type(cohesion_t), intent(out) :: c
 
-    call pull_by_secants(secants, WHOLE, prop, released(prop), lag, g, n, past, now, c)
+    call pull_by_secants(secants, WHOLE, prop, RELEASED_AT*prop(2), lag, g, n, past, now, c)
   end subroutine irreversible_law
 
   !> Both secants are (T0/g0) exp(1 - k_1/g0).
@@ -91,12 +91,12 @@ contains
     energy = exp(1.0_wp)*prop(1)*prop(2)*energy
   end function potential
 
-  !> Opening at which a bond counts as released, 8 g0.
-  pure function released(prop) result(opening)
+  !> Opening at which a bond counts as released, 8 g0 in both modes.
+  pure subroutine released(prop, opening)
     real(wp), intent(in) :: prop(:)
-    real(wp) :: opening
+    real(wp), intent(out) :: opening(2)
 
     opening = RELEASED_AT*prop(2)
-  end function released
+  end subroutine released
 
 end module contact_cz

@@ -15,8 +15,8 @@ module contact_cz_mixed
   private
   public :: describe
 
-  !> Openings at which a bond is released: 8 gn, where 0.7 % of Tn is left, and 4 gt, where 0.2 % of
-  !! Tt is left.
+  !> Openings at which a bond is released: 8 gn, where 0.7 % of Tn and 0.3 % of Tt are left, and
+  !! 4 gt, where 0.2 % of Tt and 0.03 % of Tn are left.
   real(wp), parameter :: RELEASED_AT(2) = [8.0_wp, 4.0_wp]
 
 contains
@@ -62,12 +62,11 @@ contains
     ds(:, 2) = -s*y/prop(4)
   end subroutine secants
 
-  !> The opening beyond which a bond is released in both modes.
-  pure function released(prop) result(opening)
+  pure subroutine released(prop, opening)
     real(wp), intent(in) :: prop(:)
-    real(wp) :: opening
+    real(wp), intent(out) :: opening(2)
 
-    opening = maxval(RELEASED_AT*prop(2:4:2))
-  end function released
+    opening = RELEASED_AT*prop(2:4:2)
+  end subroutine released
 
 end module contact_cz_mixed

@@ -119,12 +119,12 @@ contains
     end do
   end subroutine secants
 
-  !> The opening beyond which a bond is released in both modes.
-  pure function released(prop) result(opening)
+  !> The final openings: beyond either of them, both tractions are zero.
+  pure subroutine released(prop, opening)
     real(wp), intent(in) :: prop(:)
-    real(wp) :: opening
+    real(wp), intent(out) :: opening(2)
 
-    opening = maxval(prop(11:12))
-  end function released
+    opening = prop(11:12)
+  end subroutine released
 
 end module contact_ppr

@@ -9,8 +9,9 @@ module contact_release
   private
   public :: add_release, bonded_area, find_release
 
-  !> Opening at which a bond counts as released (`contact%released`), divided by the opening d that
-  !! scales the release. With the exponential law, d is the opening g_char of the law.
+  !> Opening at which a bond counts as released (the larger of `contact%released`), divided by the
+  !! opening d that scales the release. With the exponential law, d is the opening g_char of the
+  !! law.
   real(wp), parameter :: OPENINGS = 8.0_wp
 
 contains
@@ -104,7 +105,7 @@ contains
       if (.not. model%contact(c)%cohesive%given) cycle
       do k = 1, 2
         if (model%contact(c)%side(k)%rigid) cycle
-        call add_release(model%contact(c), k, x, model%contact(c)%released/OPENINGS, &
+        call add_release(model%contact(c), k, x, maxval(model%contact(c)%released)/OPENINGS, &
                          state%contact(c)%side(k), released, slope)
       end do
     end do

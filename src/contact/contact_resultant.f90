@@ -11,9 +11,9 @@
 module contact_resultant
   use base_kinds, only: wp
   use contact_history, only: side_positions
-  use contact_pair, only: contact_t, contact_points_t, is_integrated, surface_t, MORTAR
+  use contact_pair, only: contact_t, contact_points_t, is_integrated, is_released, surface_t, MORTAR
   use contact_smooth, only: smooth_t, smooth_side, largest_pressure, largest_tangential
-  use contact_type, only: LARGEST_OPENINGS, OPEN, STICK, SLIP
+  use contact_type, only: OPEN, STICK, SLIP
   use contact_work, only: own_share, position_at
   use curve_type, only: quantity_t, Q_CONTACT_FORCE, Q_CONTACT_TORQUE, Q_CONTACT_PRESSURE, &
                         Q_CONTACT_TANGENTIAL, Q_CONTACT_STICK, Q_CONTACT_SLIP, Q_CONTACT_AREA, &
@@ -208,9 +208,7 @@ contains
     end select
   end function contact_value
 
-  !> Fraction of the bonded area that is released. With damage, the largest openings so far are
-  !! used, because a bond that closes again does not heal; a reversible law stores its current
-  !! opening.
+  !> Fraction of the bonded area that is released.
   pure real(wp) function released_fraction(contact, points) result(value)
     type(contact_t), intent(in) :: contact
     type(contact_points_t), intent(in) :: points
@@ -220,7 +218,7 @@ contains
     part = 0.0_wp
     do i = 1, size(points%bond)
       if (points%bond(i) == 0) cycle
-      if (norm2(points%past(LARGEST_OPENINGS, i)) >= contact%released) part = part + points%area0(i)
+      if (is_released(contact, points, i)) part = part + points%area0(i)
     end do
     value = ratio(part, sum(points%area0, mask=points%bond > 0))
   end function released_fraction

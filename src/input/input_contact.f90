@@ -125,12 +125,12 @@ contains
     ! If a side is rigid, only the points of the other side act, so BALAnced makes no difference.
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) then
-      contact%released = contact%cohesive%law%released(contact%cohesive%prop)
+      call contact%cohesive%law%released(contact%cohesive%prop, contact%released)
       call find_softening(contact)
     end if
     ! When damaged bonds close again, all gaps are about zero. The penalty law has a kink there,
     ! which SMOOth rounds off.
-    if (smooths) contact%normal%prop(SMOOTHING) = contact%released/CLOSING
+    if (smooths) contact%normal%prop(SMOOTHING) = maxval(contact%released)/CLOSING
     if (.not. start%overlap > 0.0_wp) return
     call fail(error, DECK_ERROR, 'contact '//quoted(contact%name)//': the bodies overlap by ' &
               //to_text(start%overlap, 6)//' at the start, at ('//to_text(start%x_overlap(1), 4) &

@@ -7,12 +7,12 @@ module contact_pair
   use base_kinds, only: wp
   use base_error, only: place_t
   use base_text, only: to_text
-  use contact_type, only: contact_law_t, MAX_LAW_PROP, SMOOTHING
+  use contact_type, only: contact_law_t, LARGEST_OPENINGS, MAX_LAW_PROP, SMOOTHING
   implicit none
   private
   public :: contact_t, surface_t, surface_basis_t, contact_points_t, contact_state_t, bond_t, &
             edge_part_t, assigned_law_t, control_points_t, &
-            friction_points_t, option_text, is_integrated
+            friction_points_t, option_text, is_integrated, is_released, release_of
 
   !> SCHEme: the points at which the laws act, and the bodies on which their tractions act.
   integer, parameter, public :: HALFPASS = 1 !! each integration point loads its own side
@@ -117,7 +117,7 @@ module contact_pair
     real(wp) :: after = -huge(1.0_wp)        !! AFTEr: earliest start of a step with friction [T]
     type(bond_t), allocatable :: bond(:) !! regions that decide which points are bonded
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element size
-    real(wp) :: released = 0.0_wp            !! opening at which a bond counts as released [L]
+    real(wp) :: released(2) = 0.0_wp !! normal and shear opening at which a bond is released [L]
     !> The traction of a bond increases up to the opening `strongest` in every mode; hardly any is
     !! left beyond the opening `weakened` [L].
     real(wp) :: strongest = 0.0_wp, weakened = huge(1.0_wp)
@@ -261,6 +261,26 @@ contains
 
     is_integrated = .not. (contact%side(k)%rigid .or. (contact%self .and. k == 2))
   end function is_integrated
+
+  !> How far a bond is open: 0 if it is closed, 1 from the opening on at which it is released. The
+  !! openings of the two modes count relative to their own values, because an opening of one mode
+  !! that has reached its value leaves no traction in the other mode either.
+  pure real(wp) function release_of(contact, opening)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: opening(2)       !! normal and shear, or the whole opening and 0 [L]
+
+    release_of = norm2(opening/contact%released)
+  end function release_of
+
+  !> Is bonded point i released? With damage, the largest openings so far decide, because a bond
+  !! that closes again does not heal; a reversible law stores its current opening.
+  pure logical function is_released(contact, points, i)
+    type(contact_t), intent(in) :: contact
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+
+    is_released = release_of(contact, points%past(LARGEST_OPENINGS, i)) >= 1.0_wp
+  end function is_released
 
   !> The options of a contact that the log shows after the normal law.
   function option_text(contact) result(text)

@@ -107,13 +107,14 @@ module contact_type
       character(:), allocatable, intent(out) :: hint
     end subroutine prepare_i
 
-    !> Opening [L] at which a bond counts as released, because hardly any traction is left.
-    pure function released_i(prop) result(opening)
+    !> Normal and shear opening [L] at which a bond counts as released, because hardly any traction
+    !! is left. They are equal if the law depends on the whole opening.
+    pure subroutine released_i(prop, opening)
       import :: wp
       implicit none
       real(wp), intent(in) :: prop(:)
-      real(wp) :: opening
-    end function released_i
+      real(wp), intent(out) :: opening(2)
+    end subroutine released_i
   end interface
 
 end module contact_type

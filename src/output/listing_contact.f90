@@ -54,7 +54,10 @@ contains
         end do
         if (cohesive%law%option /= '') text = text//' '//trim(cohesive%law%option)
         if (cohesive%tau > 0.0_wp) text = text//', viscous with time '//to_text(cohesive%tau)
-        call log_line('          '//text//', released at opening '//to_text(contact%released))
+        text = text//', released at opening '//to_text(contact%released(1))
+        if (abs(contact%released(2) - contact%released(1)) > 0.0_wp) text = text//' (normal) or ' &
+                                                   //to_text(contact%released(2))//' (shear)'
+        call log_line('          '//text)
         call log_line('          '//trim(cohesive%law%source))
       end associate
     end if
