@@ -15,7 +15,7 @@ module contact_bond
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, release_of, &
                           surface_t
   use contact_point, only: energy_at_rest, outer
-  use contact_type, only: cohesion_t, LARGEST_OPENINGS, MAX_PAST
+  use contact_type, only: cohesion_t, LARGEST_OPENINGS, LAST_OPENINGS, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
   use projection, only: project
   use projection_search, only: grid_t, update_grid
@@ -24,13 +24,14 @@ module contact_bond
   use surface_geometry, only: update_shape
   implicit none
   private
-  public :: find_bonds, find_opened_bonds, find_softening, find_broken_bonds, bond_traction_t, &
+  public :: find_bonds, find_opened_bonds, find_strength, find_broken_bonds, bond_traction_t, &
             find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   !> Traction that counts as almost nothing, relative to the largest one.
   real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of an opening
+  integer, parameter :: SAMPLES = 500         !! number of openings at which a traction is sampled
 
   !> Traction of a bonded point per reference area, and its derivatives.
   type :: bond_traction_t
@@ -158,39 +159,37 @@ contains
     end do
   end subroutine find_opened_bonds
 
-  !> Find the openings between which the traction of a bond falls from its largest value to almost
-  !! nothing. The traction is sampled for purely normal and purely tangential openings: in both
-  !! modes it increases up to the opening `strongest`, and is almost nothing beyond `weakened`.
-  subroutine find_softening(contact)
+  !> Find the strength of a bond: the magnitude of the largest tractions of both modes.
+  subroutine find_strength(contact)
     type(contact_t), intent(inout) :: contact
-    integer, parameter :: SAMPLES = 500
-    real(wp), parameter :: MODE(3, 2) = reshape([0.0_wp, 0.0_wp, 1.0_wp, 1.0_wp, 0.0_wp, 0.0_wp], &
-                                                [3, 2])
-    real(wp) :: past(MAX_PAST), now(MAX_PAST), opening(SAMPLES), t(SAMPLES)
+    real(wp), parameter :: MODE(2, 2) = reshape([1.0_wp, 0.0_wp, 0.0_wp, 1.0_wp], [2, 2])
+    real(wp) :: largest(2)
+    integer :: i, j
+
+    do j = 1, 2
+      largest(j) = maxval([(traction_at_opening(contact, MODE(:, j)*contact%released*i/SAMPLES), &
+                            i=1, SAMPLES)])
+    end do
+    contact%strength = norm2(largest)
+  end subroutine find_strength
+
+  !> Traction of a bond, without VISCous, at the largest openings of its history.
+  pure real(wp) function traction_at_opening(contact, opening) result(t)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: opening(2)     !! normal and shear, or the whole opening and 0 [L]
+    real(wp), parameter :: N(3) = [0.0_wp, 0.0_wp, 1.0_wp]
+    real(wp) :: past(MAX_PAST), now(MAX_PAST)
     type(cohesion_t) :: c
-    integer :: i, j, peak
 
     past = 0.0_wp
-    contact%strongest = maxval(contact%released)
-    contact%weakened = 0.0_wp
-    opening = [(maxval(contact%released)*i/SAMPLES, i=1, SAMPLES)]
-    do j = 1, 2
-      do i = 1, SAMPLES
-        call contact%cohesive%law%cohesive(contact%cohesive%prop, 0.0_wp, opening(i)*MODE(:, j), &
-                                           MODE(:, 1), past, now, c)
-        t(i) = norm2(c%t)
-      end do
-      peak = maxloc(t, 1)
-      contact%strongest = min(contact%strongest, opening(peak))
-      do i = SAMPLES, peak + 1, -1
-        if (t(i) > ALMOST_NOTHING*t(peak)) exit
-      end do
-      contact%weakened = max(contact%weakened, opening(min(i + 1, SAMPLES)))
-    end do
-  end subroutine find_softening
+    past(LAST_OPENINGS) = opening          ! there is no work to integrate
+    call contact%cohesive%law%cohesive(contact%cohesive%prop, 0.0_wp, &
+                                       [opening(2), 0.0_wp, opening(1)], N, past, now, c)
+    t = norm2(c%t)
+  end function traction_at_opening
 
-  !> Find the fraction of the bonded area whose bonds have broken in the current step without having
-  !! reached their largest traction before it. The step must not have been accepted yet.
+  !> Find the fraction of the bonded area whose bonds have broken in the current step although their
+  !! traction was still increasing before it. The step must not have been accepted yet.
   pure real(wp) function find_broken_bonds(contact, state) result(part)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
@@ -204,14 +203,34 @@ contains
         do i = 1, size(points%bond)
           if (points%bond(i) == 0) cycle
           area = area + points%area0(i)
-          if (norm2(points%past(LARGEST_OPENINGS, i)) < contact%weakened) cycle
-          if (norm2(points%past_step(LARGEST_OPENINGS, i)) > contact%strongest) cycle
-          part = part + points%area0(i)
+          if (breaks(contact, points%past_step(LARGEST_OPENINGS, i), &
+                     points%past(LARGEST_OPENINGS, i))) part = part + points%area0(i)
         end do
       end associate
     end do
     if (area > 0.0_wp) part = part/area
   end function find_broken_bonds
+
+  !> Does the traction of a bond first increase and then fall to almost nothing while its largest
+  !! openings grow along a straight line? The traction is sampled as far as the bond is released.
+  pure logical function breaks(contact, before, after)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: before(2), after(2) !! largest openings [L]
+    real(wp) :: left, peak, way
+    integer :: i
+
+    breaks = .false.
+    way = release_of(contact, after - before)
+    if (.not. way > 0.0_wp) return
+    left = traction_at_opening(contact, after)
+    if (left > ALMOST_NOTHING*contact%strength) return
+    way = min(1.0_wp, 2/way) ! openings cannot decrease, so the bond is released at 2 at the latest
+    peak = 0.0_wp
+    do i = 1, SAMPLES
+      peak = max(peak, traction_at_opening(contact, before + way*i/SAMPLES*(after - before)))
+    end do
+    breaks = peak > traction_at_opening(contact, before) .and. left <= ALMOST_NOTHING*peak
+  end function breaks
 
   !> Does the traction of a bond still increase at the given normal opening?
   logical function stiffens(contact, opening)

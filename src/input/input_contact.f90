@@ -19,7 +19,7 @@ module input_contact
   use base_sort, only: sort_index
   use base_log, only: warn
   use base_text, only: quoted, to_text, nearest, lower
-  use contact_bond, only: find_softening
+  use contact_bond, only: find_strength
   use contact_nearness, only: start_t, look_at_start
   use contact_pair, only: contact_t, surface_t, BALANCED, MORTAR
   use contact_surface, only: build_surface, tabulate_contact
@@ -126,7 +126,7 @@ contains
     contact%balanced = contact%scheme == BALANCED .and. .not. any(contact%side%rigid)
     if (contact%cohesive%given) then
       call contact%cohesive%law%released(contact%cohesive%prop, contact%released)
-      call find_softening(contact)
+      call find_strength(contact)
     end if
     ! When damaged bonds close again, all gaps are about zero. The penalty law has a kink there,
     ! which SMOOth rounds off.

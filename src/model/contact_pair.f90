@@ -118,9 +118,7 @@ module contact_pair
     type(bond_t), allocatable :: bond(:) !! regions that decide which points are bonded
     real(wp) :: bond_gap = -1.0_wp           !! GAP [L]; negative: 1e-3 of the element size
     real(wp) :: released(2) = 0.0_wp !! normal and shear opening at which a bond is released [L]
-    !> The traction of a bond increases up to the opening `strongest` in every mode; hardly any is
-    !! left beyond the opening `weakened` [L].
-    real(wp) :: strongest = 0.0_wp, weakened = huge(1.0_wp)
+    real(wp) :: strength = 0.0_wp            !! magnitude of the largest tractions of a bond [F/L^2]
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in each direction

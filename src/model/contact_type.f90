@@ -13,6 +13,7 @@ module contact_type
   !> Positions, among the history variables, of the largest openings, on which the traction depends:
   !! those of both modes, or that of the whole vector and a zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
+  integer, parameter, public :: LAST_OPENINGS(2) = [3, 4] !! those of the last evaluation
 
   !> Role of a law, named after the record of the deck to which it belongs.
   integer, parameter, public :: NORMAL = 1, FRICTION = 2, COHESIVE = 3
