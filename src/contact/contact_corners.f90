@@ -5,7 +5,7 @@
 !! contact acts. Results and warnings about the penetration therefore include the corners.
 module contact_corners
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_points_t, contact_state_t, surface_t
+  use contact_pair, only: contact_t, contact_points_t, contact_state_t, is_released, surface_t
   use projection, only: project, project_from
   use projection_search, only: grid_t, place_surfaces
   use projection_type, only: foot_t, shape_t, touches
@@ -25,7 +25,7 @@ module contact_corners
 contains
 
   !> Largest penetration of the corners of both sides at the positions x [L]; 0 if it is due to
-  !! rounding. Corners of rigid sides and of bonded elements are left out.
+  !! rounding. Corners of rigid sides and of elements with bonds are left out.
   function corner_overlap(contact, x, state) result(overlap)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)            !! (3, nnode) [L]
@@ -47,7 +47,8 @@ contains
 
   !> Largest penetration of the corners of side k into the other side [L]. The penetration of a
   !! corner is its distance from the closest point of those surfaces that one of its elements faces.
-  !! Corners of bonded elements are left out, as bonded points are.
+  !! Corners of elements with bonds that are not released are left out: where such bonds join curved
+  !! surfaces, the corners of one mesh lie inside the other from the start.
   pure real(wp) function deepest_corner(contact, k, shape, grid, points) result(deepest)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -73,11 +74,22 @@ contains
         normals = normals_at(own, shape(k), v)
         call find_closest(other, shape(3 - k), x, normals, foot)
         if (foot%elem == 0 .or. .not. -foot%gap > deepest) cycle
-        if (any([((points%bond((own%ring_elem(j) - 1)*contact%nq + q) > 0, q=1, contact%nq), &
+        if (any([((is_held((own%ring_elem(j) - 1)*contact%nq + q), q=1, contact%nq), &
                   j=own%ring_first(v), own%ring_first(v + 1) - 1)])) cycle
         deepest = -foot%gap
       end do
     end associate
+
+  contains
+
+    !> Does a bond hold point i?
+    pure logical function is_held(i)
+      integer, intent(in) :: i
+
+      is_held = points%bond(i) > 0
+      if (is_held) is_held = .not. is_released(contact, points, i)
+    end function is_held
+
   end function deepest_corner
 
   !> Normals of the elements around vertex v at this vertex; their lengths are arbitrary.

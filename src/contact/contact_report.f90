@@ -5,6 +5,7 @@ module contact_report
   use base_log, only: log_line, warn
   use base_text, only: to_text
   use contact_bond, only: find_broken_bonds, find_opened_bonds
+  use contact_energy, only: bond_energy
   use contact_history, only: had_touched
   use contact_patch, only: follow_patch
   use contact_pair, only: contact_t, contact_state_t, contact_points_t, is_integrated, HALFPASS, &
@@ -199,21 +200,21 @@ contains
   end subroutine measure_contacts
 
   !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
-  !! loads at that time. Models with bonds or inertia are left out, because bonds and inertia do
-  !! work too.
+  !! loads at that time. Bonds may do work too, if they have a gap at the start, so their energies
+  !! are added to this work. Models with inertia are left out, because inertia does work.
   pure subroutine follow_penetration(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    real(wp) :: stored
+    real(wp) :: stored, bonds
     integer :: c
 
     if (size(model%contact) == 0 .or. state%dynamics%on) return
-    if (any(model%contact%cohesive%given)) return
     stored = sum([(sum(state%contact(c)%pressed), c=1, size(model%contact))])
+    bonds = sum([(sum(bond_energy(model%contact(c), state%contact(c))), c=1, size(model%contact))])
     associate (energy => state%energy)
       if (stored <= energy%penetration .or. .not. energy%outer > 0.0_wp) return
       energy%penetration = stored
-      energy%penetration_share = stored/energy%outer
+      energy%penetration_share = stored/(energy%outer + max(0.0_wp, bonds))
     end associate
   end subroutine follow_penetration
 
@@ -222,19 +223,22 @@ contains
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    character(:), allocatable :: work
     integer :: c
 
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
+    work = ' the work of supports and loads'
+    if (any(model%contact%cohesive%given)) work = work//' and the energy of bonds'
     if (state%energy%penetration_share > WITHOUT_WORK) then
-      call warn('the energy stored in penetration exceeds the work of supports and loads', &
+      call warn('the energy stored in penetration exceeds'//work, &
                 model%contact(1)%place, 'surfaces overlapped before a force acted on them: take ' &
                 //'smaller steps until they meet, or move the bodies apart at the start')
       return
     end if
     c = maxloc([(sum(state%contact(c)%pressed), c=1, size(model%contact))], 1)
     call warn('penetration absorbs '//to_text(100*state%energy%penetration_share, 3) &
-              //' % of the work of supports and loads: the penalty is too soft', &
+              //' % of'//work//': the penalty is too soft', &
               model%contact(c)%place, stiffer(model%contact(c)))
   end subroutine warn_soft_penalty
 
@@ -296,15 +300,16 @@ contains
     integer, intent(in) :: k
     type(contact_points_t), intent(in) :: points
     real(wp) :: h
-    integer :: i
+    integer :: e, i
 
     deepest = 0.0_wp
     do i = 1, size(points%state)
-      if (points%state(i) == OPEN .or. points%gap(i) >= 0.0_wp .or. points%closest(i) == 0) cycle
-      if (points%bond(i) > 0) cycle
+      e = points%closest(i)
+      if (e == 0) e = points%bond(i)         ! PAIR: the gap is that to the partner
+      if (points%state(i) == OPEN .or. points%gap(i) >= 0.0_wp .or. e == 0) cycle
       h = contact%side(k)%width((i - 1)/contact%nq + 1)
       associate (other => contact%side(3 - k))
-        if (.not. other%rigid) h = min(h, other%width(points%closest(i)))
+        if (.not. other%rigid) h = min(h, other%width(e))
       end associate
       if (any(contact%side%thickness > 0.0_wp)) then
         h = min(h, minval(contact%side%thickness, contact%side%thickness > 0.0_wp))
