@@ -24,13 +24,14 @@ module contact_bond
   use surface_geometry, only: update_shape
   implicit none
   private
-  public :: find_bonds, find_opened_bonds, find_strength, find_broken_bonds, bond_traction_t, &
-            find_bond_traction, needs_projection
+  public :: find_bonds, find_opened_bonds, find_strength, find_broken_bonds, moves_bonds, &
+            bond_traction_t, find_bond_traction, needs_projection
 
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   !> Traction that counts as almost nothing, relative to the largest one.
   real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of an opening
+  real(wp), parameter :: VISIBLE = 0.01_wp    !! change of a release (release_of) that counts
   integer, parameter :: SAMPLES = 500         !! number of openings at which a traction is sampled
 
   !> Traction of a bonded point per reference area, and its derivatives.
@@ -231,6 +232,26 @@ contains
     end do
     breaks = peak > traction_at_opening(contact, before) .and. left <= ALMOST_NOTHING*peak
   end function breaks
+
+  !> Does the current step, which is not accepted yet, open or close bonds so far that VISCous would
+  !! resist?
+  pure logical function moves_bonds(contact, state)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    integer :: i, k
+
+    moves_bonds = .false.
+    do k = 1, 2
+      associate (points => state%side(k))
+        do i = 1, size(points%bond)
+          if (points%bond(i) == 0) cycle
+          moves_bonds = abs(release_of(contact, points%past(LARGEST_OPENINGS, i)) &
+                            - release_of(contact, points%past_step(LARGEST_OPENINGS, i))) > VISIBLE
+          if (moves_bonds) return
+        end do
+      end associate
+    end do
+  end function moves_bonds
 
   !> Does the traction of a bond still increase at the given normal opening?
   logical function stiffens(contact, opening)

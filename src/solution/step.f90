@@ -14,6 +14,7 @@ module step
   use base_log, only: log_line, warn
   use base_system, only: stop_requested
   use base_text, only: to_text
+  use contact_bond, only: moves_bonds
   use contact_missed, only: follow_gaps
   use contact_pair, only: HALFPASS, MORTAR
   use contact_type, only: SMOOTHING
@@ -461,6 +462,7 @@ contains
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
     call find_uneven(model, state, step%total%uneven)
+    call warn_untimed(model, state, step%total%untimed)
     call begin_motion(step%newton%asm, model, state)
     call accept_solution(step%newton%asm, model, state)
     call follow_growth(model, state)
@@ -500,6 +502,29 @@ contains
               //'VISCous know only the DT of each step that is solved, so the time before it is ' &
               //'lost', place, 'let TANG or UTAN follow each TIME, or use a larger DT')
   end subroutine warn_lost_time
+
+  !> Warn once if bonds with VISCous move in a step in which time does not increase. Their traction
+  !! is then that of the law without VISCous, because there is no rate.
+  subroutine warn_untimed(model, state, warned)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    logical, intent(inout) :: warned
+    integer :: c
+
+    if (warned .or. state%dt > 0.0_wp) return
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c))
+        if (.not. contact%cohesive%tau > 0.0_wp) cycle
+        if (.not. moves_bonds(contact, state%contact(c))) cycle
+        warned = .true.
+        call warn("contact '"//contact%name//"': VISCous has no effect in step " &
+                  //to_text(state%step)//', in which bonds open or close although no time passes', &
+                  contact%place, 'let TIME begin each step that loads bonds: DT,,dt and a loop ' &
+                  //'with TIME')
+        return
+      end associate
+    end do
+  end subroutine warn_untimed
 
   !> Find a reason why a step cannot be accepted although no solve of it failed.
   subroutine find_trouble(step, model, state, pass)
