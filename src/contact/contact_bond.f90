@@ -30,7 +30,7 @@ module contact_bond
   real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
   !> Traction that counts as almost nothing, relative to the largest one.
   real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
-  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of an opening
+  real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of openings and positions
   real(wp), parameter :: VISIBLE = 0.01_wp    !! change of a release (release_of) that counts
   integer, parameter :: SAMPLES = 500         !! number of openings at which a traction is sampled
 
@@ -62,7 +62,7 @@ contains
     type(grid_t) :: grid(2)
     type(work_t) :: work
     type(foot_t) :: foot
-    real(wp) :: x(3, contact%nq), up(3, 2), near
+    real(wp) :: x(3, contact%nq), up(3, 2), near, width
     integer :: e, i, k, q
 
     if (.not. contact%cohesive%given) return
@@ -80,10 +80,11 @@ contains
             call measure(contact%side(k), e, q, xr, work, x(:, q), up, points%area0(i + q))
             points%area0(i + q) = points%area0(i + q)*contact%wgt(q)
           end do
+          width = sqrt(sum(points%area0(i + 1:i + contact%nq)))
           near = contact%bond_gap
-          if (near < 0.0_wp) near = CLOSE_BY*sqrt(sum(points%area0(i + 1:i + contact%nq)))
+          if (near < 0.0_wp) near = CLOSE_BY*width
           do q = 1, contact%nq
-            if (.not. is_inside(contact%bond, x(:, q))) cycle
+            if (.not. is_inside(contact%bond, x(:, q), NEARLY*width)) cycle
             foot%elem = 0
             call project(contact%side(3 - k), shape(3 - k), grid(3 - k), x(:, q), foot, near)
             if (foot%elem == 0 .or. abs(foot%gap) > near) cycle
@@ -266,19 +267,21 @@ contains
     stiffens = c%dtdg(3, 3) < 0.0_wp
   end function stiffens
 
-  !> Does a reference point lie in all regions of BONDed, and in none of the excepted ones?
-  pure logical function is_inside(bond, x)
+  !> Does a reference point lie in all regions of BONDed, and in none of the excepted ones? The
+  !! points of a face that lies in the boundary of a region are inside it.
+  pure logical function is_inside(bond, x, rounding)
     type(bond_t), intent(in) :: bond(:)
     real(wp), intent(in) :: x(3)
+    real(wp), intent(in) :: rounding       !! distance from a region that is due to rounding [L]
     integer :: i
     logical :: in
 
     is_inside = .true.
     do i = 1, size(bond)
       if (bond(i)%is_box) then
-        in = all(x >= bond(i)%a .and. x <= bond(i)%b)
+        in = all(x >= bond(i)%a - rounding .and. x <= bond(i)%b + rounding)
       else
-        in = dot_product(x - bond(i)%a, bond(i)%b) >= 0.0_wp
+        in = dot_product(x - bond(i)%a, bond(i)%b) >= -rounding
       end if
       is_inside = is_inside .and. (in .neqv. bond(i)%is_except)
     end do
