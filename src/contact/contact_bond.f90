@@ -83,6 +83,7 @@ contains
           width = sqrt(sum(points%area0(i + 1:i + contact%nq)))
           near = contact%bond_gap
           if (near < 0.0_wp) near = CLOSE_BY*width
+          near = near + NEARLY*width         ! rounding must not decide if GAP is the distance itself
           do q = 1, contact%nq
             if (.not. is_inside(contact%bond, x(:, q), NEARLY*width)) cycle
             foot%elem = 0
