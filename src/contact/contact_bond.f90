@@ -18,16 +18,22 @@ module contact_bond
   use contact_type, only: cohesion_t, LARGEST_OPENINGS, LAST_OPENINGS, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
   use projection, only: project
-  use projection_search, only: grid_t, update_grid
+  use projection_search, only: grid_t, place_surfaces, update_grid
   use projection_type, only: foot_t, shape_t
   use smooth_step, only: smoothstep
-  use surface_geometry, only: update_shape
+  use surface_geometry, only: surface_point, update_shape
+  use tensor, only: cross
   implicit none
   private
-  public :: find_bonds, find_opened_bonds, find_strength, find_broken_bonds, moves_bonds, &
-            bond_traction_t, find_bond_traction, needs_projection
+  public :: find_bonds, find_unbonded, find_opened_bonds, find_strength, find_broken_bonds, &
+            moves_bonds, bond_traction_t, find_bond_traction, needs_projection
 
-  real(wp), parameter :: CLOSE_BY = 1.0e-3_wp !! default of GAP, relative to the size of an element
+  !> Default of GAP, relative to the size of an element.
+  real(wp), parameter, public :: CLOSE_BY = 1.0e-3_wp
+  !> Points that are not farther than this from the other side count as lying on it, relative to the
+  !! width of an element: some points of curved surfaces of flat elements that touch are that far
+  !! apart.
+  real(wp), parameter, public :: NEXT_TO = 0.05_wp
   !> Traction that counts as almost nothing, relative to the largest one.
   real(wp), parameter :: ALMOST_NOTHING = 0.1_wp
   real(wp), parameter :: NEARLY = 1.0e-6_wp   !! relative tolerance of openings and positions
@@ -83,7 +89,7 @@ contains
           width = sqrt(sum(points%area0(i + 1:i + contact%nq)))
           near = contact%bond_gap
           if (near < 0.0_wp) near = CLOSE_BY*width
-          near = near + NEARLY*width         ! rounding must not decide if GAP is the distance itself
+          near = near + NEARLY*width ! rounding must not decide where GAP is the distance itself
           do q = 1, contact%nq
             if (.not. is_inside(contact%bond, x(:, q), NEARLY*width)) cycle
             foot%elem = 0
@@ -97,6 +103,49 @@ contains
       end associate
     end do
   end subroutine find_bonds
+
+  !> Find the points in the regions of BONDed that have no bond although they lie opposite the other
+  !! side, and hardly farther apart than bonded points.
+  subroutine find_unbonded(contact, xr, state, part, widest)
+    type(contact_t), intent(in) :: contact
+    real(wp), intent(in) :: xr(:, :)           !! (3, nnode) [L]
+    type(contact_state_t), intent(in) :: state !! after find_bonds
+    real(wp), intent(out) :: part    !! their area, as a fraction of this and the bonded area [-]
+    real(wp), intent(out) :: widest            !! largest distance [L]; 0 if there are none
+    type(shape_t) :: shape(2)
+    type(grid_t) :: grid(2)
+    type(foot_t) :: foot
+    real(wp) :: a(3, 2), b(3, 3), x(3), bonded, unbonded, width
+    integer :: e, i, k, q
+
+    call place_surfaces(contact, xr, shape, grid)
+    bonded = 0.0_wp
+    unbonded = 0.0_wp
+    widest = 0.0_wp
+    do k = 1, 2
+      if (contact%side(k)%rigid) cycle
+      associate (points => state%side(k))
+        bonded = bonded + sum(points%area0, mask=points%bond > 0)
+        do e = 1, contact%side(k)%nelem
+          i = (e - 1)*contact%nq
+          width = sqrt(sum(points%area0(i + 1:i + contact%nq)))
+          do q = 1, contact%nq
+            if (points%bond(i + q) > 0) cycle
+            call surface_point(contact%side(k), shape(k), e, contact%xi(:, q), x, a, b)
+            if (.not. is_inside(contact%bond, x, NEARLY*width)) cycle
+            foot%elem = 0
+            call project(contact%side(3 - k), shape(3 - k), grid(3 - k), x, foot, NEXT_TO*width)
+            if (foot%elem == 0 .or. abs(foot%gap) > NEXT_TO*width) cycle
+            if (dot_product(cross(a(:, 1), a(:, 2)), foot%n) > 0.0_wp) cycle
+            unbonded = unbonded + points%area0(i + q)
+            widest = max(widest, abs(foot%gap))
+          end do
+        end do
+      end associate
+    end do
+    part = 0.0_wp
+    if (unbonded > 0.0_wp) part = unbonded/(bonded + unbonded)
+  end subroutine find_unbonded
 
   !> Set the history of bonded point i to that of a bond that was opened up to the initial gap. The
   !! damage of this opening did not arise in the first step, so VISCous does not resist it.

@@ -9,7 +9,7 @@ module contact_start
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: position_text, to_text
-  use contact_bond, only: find_bonds, find_opened_bonds
+  use contact_bond, only: CLOSE_BY, find_bonds, find_opened_bonds, find_unbonded, NEXT_TO
   use contact_corners, only: corner_overlap
   use contact_history, only: new_contact_state
   use contact_nearness, only: start_t, look_at_start, look_farther
@@ -22,6 +22,7 @@ module contact_start
   public :: warn_contacts
 
   real(wp), parameter :: UNEQUAL = 0.1_wp     !! relative difference of areas above which to warn
+  real(wp), parameter :: MISSED = 0.1_wp      !! part of an area without bonds above which to warn
   real(wp), parameter :: CRUDE = 0.03_wp      !! deviation over penetration above which to warn
 
 contains
@@ -50,6 +51,7 @@ contains
                                      //'are apart, bond points up to a distance d with BONDed ' &
                                      //'GAP d; otherwise enlarge the region of BONDed')
           call warn_unequal_bonds(contact, state)
+          if (sum(n) > 0) call warn_unbonded(contact, model%mesh, state)
           call warn_opened(contact, model%mesh, state)
         end if
         if (.not. contact%self) call warn_tied(contact)
@@ -180,6 +182,24 @@ contains
               //to_text(area(1), 3)//' and '//to_text(area(2), 3)//')', contact%place, 'use ' &
               //more_points(contact)//'elements whose borders follow the edge of the bonded area')
   end subroutine warn_unequal_bonds
+
+  !> Warn if a part of two surfaces that touch is not bonded because its gap exceeds the default of
+  !! GAP. A GAP of the deck states which points are meant.
+  subroutine warn_unbonded(contact, mesh, state)
+    type(contact_t), intent(in) :: contact
+    type(mesh_t), intent(in) :: mesh
+    type(contact_state_t), intent(in) :: state
+    real(wp) :: part, widest
+
+    if (contact%bond_gap >= 0.0_wp) return
+    call find_unbonded(contact, mesh%xr, state, part, widest)
+    if (.not. part > MISSED) return
+    call warn("contact '"//contact%name//"': "//to_text(100*part, 3)//' % of the area that lies ' &
+              //'next to the other side, within '//to_text(100*NEXT_TO, 3)//' % of the width of ' &
+              //'an element, is not bonded, because its distance, up to '//to_text(widest, 3) &
+              //', exceeds GAP, by default '//to_text(100*CLOSE_BY, 3)//' % of this width', &
+              contact%place, 'give the largest distance of bonded points with BONDed GAP d')
+  end subroutine warn_unbonded
 
   !> Warn about bonds that soften from the start, because the initial gap between two surfaces
   !! already opens their bonds.
