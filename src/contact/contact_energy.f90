@@ -9,10 +9,11 @@
 module contact_energy
   use base_kinds, only: wp
   use contact_pair, only: contact_t, contact_points_t, contact_state_t
+  use contact_type, only: WORK_DONE
   use contact_work, only: energy_share
   implicit none
   private
-  public :: measure_energy, slip_work, bond_energy, contact_energies
+  public :: measure_energy, slip_work, bond_energy, bond_energy_at_start, contact_energies
 
 contains
 
@@ -77,6 +78,24 @@ contains
     end function of_side
 
   end function bond_energy
+
+  !> Energy of all bonds of a contact at the start of the current step, stored and dissipated: the
+  !! work done on them so far. Before a step is accepted, bond_energy is that of its last iteration.
+  pure real(wp) function bond_energy_at_start(contact, state) result(energy)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    integer :: k
+
+    energy = 0.0_wp
+    if (.not. contact%cohesive%given) return
+    do k = 1, 2
+      associate (points => state%side(k))
+        energy = energy + sum(points%area0*sum(points%past_step(WORK_DONE, :), 1), &
+                              mask=points%bond > 0)
+      end associate
+    end do
+    energy = energy_share(contact)*energy
+  end function bond_energy_at_start
 
   !> Energies of a contact: of pressure, of friction (stored and dissipated), and of bonds.
   pure function contact_energies(contact, state) result(energy)

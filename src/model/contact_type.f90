@@ -14,6 +14,8 @@ module contact_type
   !! those of both modes, or that of the whole vector and a zero.
   integer, parameter, public :: LARGEST_OPENINGS(2) = [1, 2]
   integer, parameter, public :: LAST_OPENINGS(2) = [3, 4] !! those of the last evaluation
+  !> Positions of the work done on the bond so far: without VISCous, and that of VISCous.
+  integer, parameter, public :: WORK_DONE(2) = [5, 6]
 
   !> Role of a law, named after the record of the deck to which it belongs.
   integer, parameter, public :: NORMAL = 1, FRICTION = 2, COHESIVE = 3

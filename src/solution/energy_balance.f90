@@ -4,7 +4,7 @@ module energy_balance
   use base_kinds, only: wp
   use constraint, only: follow
   use contact_assembly, only: accept_contact
-  use contact_energy, only: bond_energy, contact_energies
+  use contact_energy, only: bond_energy, bond_energy_at_start, contact_energies
   use contact_report, only: report_contact_changes
   use curve_type, only: B_WORK, B_STORED, B_KINETIC, B_NORMAL, B_FRICTION, B_COHESIVE, B_INERTIA, &
                         B_BONDS, B_DAMAGE, B_VISCOUS, B_CREATED, B_ERROR
@@ -17,7 +17,7 @@ module energy_balance
   implicit none
   private
   public :: accept_solution, energy_entry, stored_energy, energy_at_start, &
-            contact_energy_of
+            contact_energy_of, contact_energy_at_start
 
 contains
 
@@ -69,7 +69,7 @@ contains
         first%iter(:size(own%step, 1), :) = own%step
       end associate
     end do
-    energy = body_energy(model, start, 0) + contact_energy_of(model, state)
+    energy = body_energy(model, start, 0) + contact_energy_at_start(model, state)
   end function energy_at_start
 
   !> Energy that contacts store or have dissipated at the end of the last accepted step [F L].
@@ -83,6 +83,21 @@ contains
       energy = energy + sum(contact_energies(model%contact(c), state%contact(c)))
     end do
   end function contact_energy_of
+
+  !> Energy that contacts stored or had dissipated at the start of the current step, which is not
+  !! accepted yet [F L]. The energies of pressure and friction are found when it is accepted.
+  pure real(wp) function contact_energy_at_start(model, state) result(energy)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(in) :: state
+    integer :: c
+
+    energy = 0.0_wp
+    do c = 1, size(model%contact)
+      energy = energy + sum(contact_energies(model%contact(c), state%contact(c))) &
+               - sum(bond_energy(model%contact(c), state%contact(c))) &
+               + bond_energy_at_start(model%contact(c), state%contact(c))
+    end do
+  end function contact_energy_at_start
 
   !> One entry of the balance [F L]. IMBAlance is the excess of the work of supports and loads over
   !! the energies; it consists of the error of that work and of the energy that the forces of

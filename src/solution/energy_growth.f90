@@ -15,7 +15,8 @@ module energy_growth
   use base_log, only: warn
   use base_text, only: to_text
   use dynamics_type, only: BACKWARD_EULER
-  use energy_balance, only: contact_energy_of, energy_at_start, stored_energy
+  use energy_balance, only: contact_energy_at_start, contact_energy_of, energy_at_start, &
+                            stored_energy
   use inertia, only: energy_of_rate
   use model, only: model_t, state_t
   implicit none
@@ -42,7 +43,7 @@ contains
         ! a motion begins from rest or with the velocities of a checkpoint
         energy%kinetic = energy_of_rate(model, asm%mass, state%dynamics%v)
         energy%excess_before = energy_at_start(model, state) + energy%kinetic - energy%outer
-        energy%excess_without = excess_without_bodies(model, state)
+        energy%excess_without = excess_without_bodies(state, contact_energy_at_start(model, state))
       end if
       energy%moving = moves
     end associate
@@ -57,7 +58,8 @@ contains
     associate (energy => state%energy)
       if (.not. energy%moving) return
       energy%largest = max(energy%largest, energy%kinetic + contact_energy_of(model, state))
-      growth_now = excess_without_bodies(model, state) - energy%excess_without
+      growth_now = excess_without_bodies(state, contact_energy_of(model, state)) &
+                   - energy%excess_without
       if (growth_now <= max(GROWTH*energy%largest, energy%growth)) return
       total = stored_energy(model, state) + energy%kinetic
       energy%largest = max(energy%largest, total)
@@ -97,12 +99,12 @@ contains
   end function moves_by_deck
 
   !> Excess of the energies of contact and motion over the work done on them [F L].
-  pure real(wp) function excess_without_bodies(model, state) result(excess)
-    type(model_t), intent(in) :: model
+  pure real(wp) function excess_without_bodies(state, contact) result(excess)
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: contact      !! energy of contacts [F L]
 
     associate (energy => state%energy)
-      excess = contact_energy_of(model, state) - energy%contact + energy%kinetic - energy%inertia
+      excess = contact - energy%contact + energy%kinetic - energy%inertia
     end associate
   end function excess_without_bodies
 
