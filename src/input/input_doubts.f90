@@ -269,9 +269,9 @@ contains
   !!
   !! - Linear displacement elements lock. As an example, a cube of 3 x 3 x 3 elements with a
   !!   Poisson's ratio of 0.499 is squeezed between rough plates. The force on it, divided by that
-  !!   of a fine mesh, is 16 with Q1, 1.1 with Q1E9 (even with a layer ENRIch ... EAS), and 1.2
-  !!   with Q2. The hint names neither IGA 2 (1.6) nor layers ENRIch ... EAS on Q1 (7.5), where
-  !!   the elements below the layer lock.
+  !!   of a fine mesh, is 16 with Q1, 1.1 with Q1E9 (even with a layer ENRIch ... EAS) and IGA 3,
+  !!   1.2 with Q2, and 1.6 with IGA 2. The hints name neither IGA 2 nor layers ENRIch ... EAS on Q1
+  !!   (7.5), where the elements below the layer lock.
   !! - Quadratic displacement elements have displacements that are a few percent too small, but
   !!   their pressure oscillates: in a quarter ring of 6 x 6 elements under pressure, the hoop
   !!   stress at a point is 1.1, 1.6, 2.2 and 12 times the exact one for ratios of 0.49, 0.498,
@@ -303,10 +303,16 @@ contains
           call doubt(m, block%name, 'lock', 'use hexahedra of TYPE Q1E9 (with ENRIch: EAS; with ' &
                      //'ELEMents and BLOCk: ENHAnced) or Q2, or tetrahedra of 10 nodes; ' &
                      //'elements that lock give displacements that are far too small')
+        else if (block%name == 'IGA2') then
+          if (m%prop(NU) < SOFT_FROM) cycle
+          call doubt(m, block%name, 'partly lock and have stresses that oscillate', 'on coarse ' &
+                     //'meshes, forces may be 60 % too large: refine to see the error, or use a ' &
+                     //'higher degree, hexahedra of TYPE Q1E9 or Q2, or tetrahedra of 10 nodes')
         else
           if (m%prop(NU) < SOFT_FROM) cycle
-          call doubt(m, block%name, 'have stresses that oscillate', 'trust displacements and ' &
-                     //"forces only, or use a smaller Poisson's ratio; refine to see the error")
+          call doubt(m, block%name, 'have stresses that oscillate', 'do not trust stresses, and ' &
+                     //'refine to see the error of displacements and forces, which may be 20 % ' &
+                     //"on coarse meshes, or use a smaller Poisson's ratio")
         end if
         warned = [warned, m%number]
       end associate
