@@ -133,6 +133,23 @@ class Inputs(Folder):
         kept = ["a.log", "a.report.json", "a.restart.h5", "a_other.dat", "b_force.dat"]
         self.assertEqual(names, kept)
 
+    def test_a_curve_of_another_name_is_not_replaced(self):
+        """The curve y_force of x and the curve force of x_y would have the same file."""
+        (self.at / "other.inp").write_text(self.deck.replace("CURVe,force", "CURVe,y_force"))
+        self.assertEqual(self.run_bezel("--name", "x_y", "box.inp").returncode, 0)
+        row = (self.at / "x_y_force.dat").read_text()
+        done = self.run_bezel("--name", "x", "other.inp")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("would overwrite './x_y_force.dat', the curve 'force' of 'x_y'", done.stderr)
+        self.assertEqual((self.at / "x_y_force.dat").read_text(), row)
+        for name in ("x_y_force.dat", "x_y.report.json"):
+            (self.at / name).unlink()
+        self.assertEqual(self.run_bezel("--name", "x", "other.inp").returncode, 0)
+        done = self.run_bezel("--name", "x_y", "box.inp")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("the curve 'y_force' of 'x'", done.stderr)
+        self.assertEqual(self.run_bezel("--name", "x", "other.inp").returncode, 0)
+
     def test_restarts_keep_the_curves(self):
         self.assertEqual(self.run_bezel("box.inp").returncode, 0)
         row = (self.at / "box_force.dat").read_text()
