@@ -11,19 +11,20 @@ module command_files
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve
   use curve_values, only: quantity_value
-  use result_file, only: open_result, write_result, close_result
+  use result_file, only: open_result, write_result, close_result, remove_result
   implicit none
   private
-  public :: remove_curves, open_files, write_rows, write_fields, close_files
+  public :: remove_results, open_files, write_rows, write_fields, close_files
   public :: open_tables, keep_tables, cut_tables, continue_tables
 
   integer, parameter :: LONG = 64 !! longest name of a column
 
 contains
 
-  !> Remove the curves that an earlier run left under the names of this run: a run that closes no
-  !! step writes no curves, and the old ones must not be taken for its own.
-  subroutine remove_curves(run)
+  !> Remove the curves, fields and tables that an earlier run left under the names of this run: a
+  !! run that closes no step, or writes no fields or tables, must not be thought to have written the
+  !! old ones.
+  subroutine remove_results(run)
     type(run_t), intent(in) :: run
     integer :: i
 
@@ -31,7 +32,9 @@ contains
     do i = 1, size(run%model%curve)
       call remove_file(curve_path(run, i))
     end do
-  end subroutine remove_curves
+    call remove_file(tables_path(run))
+    call remove_result(run%files%stem)
+  end subroutine remove_results
 
   pure function curve_path(run, i) result(path)
     type(run_t), intent(in) :: run

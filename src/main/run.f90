@@ -9,7 +9,7 @@ module run
   use base_error, only: error_t, fail, NO_SOLUTION, error_list_t
   use command_checkpoint, only: set_restart_point, stop_wanted, stop_run
   use command_doubts, only: warn_commands
-  use command_files, only: remove_curves, open_files, close_files, cut_tables
+  use command_files, only: remove_results, open_files, close_files, cut_tables
   use command_line, only: options_t
   use command_program, only: read_program, has_command, execute_next
   use contact_augment, only: share_penalty
@@ -72,7 +72,7 @@ contains
       call open_files(job, error) ! removes what a killed run wrote after its last checkpoint
       if (allocated(error)) return
     else if (.not. has_command(job, 'rest')) then
-      call remove_curves(job)
+      call remove_results(job)
     end if
     call set_restart_point(job)
     do

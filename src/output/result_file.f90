@@ -1,6 +1,7 @@
 !> Fields of selected steps: `<stem>.vtkhdf`, and `<stem>.pvd` with its `.vtu` files.
 module result_file
   use base_error, only: error_t
+  use base_file, only: remove_file
   use base_kinds, only: wp
   use fields, only: field_t, known_fields, default_fields, collect_fields
   use model, only: model_t, state_t
@@ -10,7 +11,7 @@ module result_file
   use vtu_file, only: vtu_series_t, open_series, append_series
   implicit none
   private
-  public :: result_file_t, open_result, choose_fields, write_result, close_result
+  public :: result_file_t, open_result, choose_fields, write_result, close_result, remove_result
 
   type :: result_file_t
     type(view_t) :: view
@@ -45,6 +46,15 @@ contains
     if (allocated(error)) return
     if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
+
+  !> Remove the fields that an earlier run left under a name.
+  subroutine remove_result(stem)
+    character(*), intent(in) :: stem !! folder and name
+    type(vtu_series_t) :: series
+
+    call open_series(series, stem)
+    call remove_file(stem//'.vtkhdf')
+  end subroutine remove_result
 
   !> Choose the fields that OUTPut names, or the default fields of the model if it names none. This
   !! must precede the first call of write_result.

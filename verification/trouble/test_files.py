@@ -133,6 +133,26 @@ class Inputs(Folder):
         kept = ["a.log", "a.report.json", "a.restart.h5", "a_other.dat", "b_force.dat"]
         self.assertEqual(names, kept)
 
+    def test_fields_and_tables_of_an_earlier_run_are_removed(self):
+        """They used to remain if the new run wrote none, or failed in its first step."""
+        text = self.deck.replace("    SAVE\n", "    DISP,ALL\n    PLOT\n").replace(
+            "time,10", "time,2"
+        )
+        for name, code in (("none", 0), ("fails", 2)):
+            with self.subTest(name):
+                (self.at / "box.inp").write_text(text)
+                self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+                results = ["box.out", "box.pvd", "box.vtkhdf", "box_0001.vtu", "box_0002.vtu"]
+                self.assertLessEqual(set(results), set(self.files()))
+                new = self.deck.replace("    SAVE\n", "")
+                if code:
+                    new = text.replace("way = 0.1", "way = 100")
+                (self.at / "box.inp").write_text(new)
+                self.assertEqual(self.run_bezel("--check", "box.inp").returncode, 0)
+                self.assertLessEqual(set(results), set(self.files()))
+                self.assertEqual(self.run_bezel("box.inp").returncode, code)
+                self.assertEqual(set(results) & set(self.files()), set())
+
     def test_a_curve_of_another_name_is_not_replaced(self):
         """The curve y_force of x and the curve force of x_y would have the same file."""
         (self.at / "other.inp").write_text(self.deck.replace("CURVe,force", "CURVe,y_force"))
