@@ -4,7 +4,7 @@
 module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
-  use base_error, only: error_t
+  use base_error, only: error_t, DECK_ERROR
   use base_file, only: cut_file, file_size, remove_file
   use base_kinds, only: wp, i8
   use byte_file, only: open_bytes, close_bytes
@@ -55,6 +55,10 @@ contains
 
     associate (files => run%files)
       if (files%curves_open) return
+      if (allocated(files%kept)) then
+        call open_fields(run, files%kept, error) ! first, because it may fail
+        if (allocated(error)) return
+      end if
       allocate (files%curve(size(run%model%curve)), files%last_row(size(run%model%curve)))
       do i = 1, size(files%curve)
         associate (curve => run%model%curve(i))
@@ -73,8 +77,6 @@ contains
       end do
       files%curves_open = .true.
       if (.not. allocated(files%kept)) return
-      call open_fields(run, error)
-      if (allocated(error)) return
       call cut_tables(run, error)
       call agree(error)
     end associate
@@ -132,18 +134,27 @@ contains
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
 
-    if (.not. run%files%result_open) call open_fields(run, error)
+    if (.not. run%files%result_open) call open_fields(run, error=error)
     if (allocated(error)) return
     if (is_root()) call write_result(run%files%result, run%model, run%state, error)
     call agree(error)
   end subroutine write_fields
 
-  subroutine open_fields(run, error)
+  subroutine open_fields(run, keep, error)
     type(run_t), intent(inout) :: run
+    integer, intent(in), optional :: keep !! last step whose fields are kept
     type(error_t), allocatable, intent(out) :: error
+    integer :: i
 
     if (is_root()) call open_result(run%files%result, run%files%stem, run%model, &
-                                    run%files%deck_text, error, run%files%kept)
+                                    run%files%deck_text, error, keep)
+    if (allocated(error)) then
+      do i = 1, size(run%program%command)
+        associate (record => run%program%command(i)%record)
+          if (error%code == DECK_ERROR .and. record%key(1) == 'outp') error%place = record%place(1)
+        end associate
+      end do
+    end if
     call agree(error)
     run%files%result_open = .not. allocated(error)
   end subroutine open_fields

@@ -6,7 +6,7 @@ module command_restart
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
-  use command_files, only: continue_tables
+  use command_files, only: continue_tables, open_files
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
@@ -82,6 +82,7 @@ contains
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
+    call open_files(run, error)
   end subroutine run_restart
 
   !> Take the rates of a motion from the checkpoint, but all else from the TRANsient and MASS of

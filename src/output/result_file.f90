@@ -41,9 +41,9 @@ contains
     call build_view(model, result%view)
     allocate (xr(3, result%view%npoint))
     call map_field(result%view, model%mesh%xr, xr)
-    call open_series(result%series, stem, keep)
-    call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep)
+    call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep, result%names)
     if (allocated(error)) return
+    call open_series(result%series, stem, keep)
     if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
 

@@ -9,6 +9,7 @@ module vtkhdf_file
   use base_error, only: error_t, fail, SYSTEM_ERROR, DECK_ERROR
   use base_file, only: replace_file, remove_file
   use base_kinds, only: wp, i8
+  use base_text, only: to_text
   use fields, only: field_t, describe_field, known_fields
   use hdf5_file, only: hdf5_t, create_file, open_file, close_file, flush_file, has_object, put, &
                        get, put_attribute, get_attribute, set_length
@@ -33,7 +34,7 @@ contains
 
   !> Begin a result. The file is created with the first step. An old file is removed, or its steps
   !! up to number `keep` are kept.
-  subroutine open_vtkhdf(result, path, view, xr, info, error, keep)
+  subroutine open_vtkhdf(result, path, view, xr, info, error, keep, wanted)
     type(vtkhdf_t), intent(out) :: result
     character(*), intent(in) :: path
     type(view_t), intent(in) :: view
@@ -41,6 +42,7 @@ contains
     type(run_info_t), intent(in) :: info
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep
+    character(*), intent(in), optional :: wanted(:) !! fields that the kept steps must have
     logical :: exists
 
     result%path = path
@@ -50,18 +52,19 @@ contains
     inquire (file=path, exist=exists)
     if (.not. exists) return
     if (present(keep)) then
-      call continue_file(result, view, keep, error)
+      call continue_file(result, view, keep, error, wanted)
     else
       call remove_file(path)
     end if
   end subroutine open_vtkhdf
 
   !> Continue an old file: find its fields and the steps to keep, and drop the others.
-  subroutine continue_file(result, view, keep, error)
+  subroutine continue_file(result, view, keep, error, wanted)
     type(vtkhdf_t), intent(inout) :: result
     type(view_t), intent(in) :: view
     integer, intent(in) :: keep
     type(error_t), allocatable, intent(out) :: error
+    character(*), intent(in), optional :: wanted(:)
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
     character(16) :: known(size(known_fields()))
@@ -93,8 +96,35 @@ contains
       return
     end if
     result%names = pack(known, stored)
+    if (present(wanted)) then
+      if (.not. same_names(wanted, result%names)) then
+        call fail(error, DECK_ERROR, ''''//result%path//''' contains the fields'// &
+                  listed(result%names)//' up to step '//to_text(result%number(result%nstep))// &
+                  ', but OUTPut names'//listed(wanted), hint='name the same fields, or restart ' &
+                  //'with another --name, because a result file has the same fields in all steps')
+        return
+      end if
+    end if
     call rebuild(result, view, max(FIRST_ROOM, 2*result%nstep), error)
   end subroutine continue_file
+
+  pure logical function same_names(one, other)
+    character(*), intent(in) :: one(:), other(:)
+
+    same_names = size(one) == size(other)
+    if (same_names) same_names = all(one == other)
+  end function same_names
+
+  pure function listed(names) result(text)
+    character(*), intent(in) :: names(:)
+    character(:), allocatable :: text
+    integer :: i
+
+    text = ''
+    do i = 1, size(names)
+      text = text//' '//trim(names(i))
+    end do
+  end function listed
 
   !> Write a step. It replaces steps of the same or a higher number, which a repeated run wrote.
   subroutine append_vtkhdf(result, view, step, time, field, error)
@@ -107,12 +137,9 @@ contains
     type(error_t), allocatable :: second
     type(hdf5_t) :: file
     integer :: k
-    logical :: same
 
     if (.not. allocated(result%names)) result%names = field%name
-    same = size(field) == size(result%names)
-    if (same) same = all(field%name == result%names)
-    if (.not. same) then
+    if (.not. same_names(field%name, result%names)) then
       call fail(error, DECK_ERROR, 'the fields of a result file cannot change after its first ' &
                 //'step', hint='put OUTPut with all fields before the first PLOT; a restarted ' &
                 //'run must write the fields of the old file')

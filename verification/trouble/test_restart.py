@@ -220,6 +220,49 @@ class Restart(Folder):
             self.assertEqual(done.stderr.count("error:"), 1)
 
 
+class Names(Folder):
+    """Files that are continued belong to the run of the checkpoint and have its columns and fields."""
+
+    def setUp(self):
+        super().setUp()
+        self.deck = self.deck.replace("time,10", "time,2").replace("DT,,0.1", "DT,,0.2")
+        self.run_as("box")
+
+    def run_as(self, name, *changes, code=0, options=(), restart=""):
+        """Run the deck under a name with these changes; return what the run says."""
+        text = self.deck
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        if restart:
+            text = text.replace("BATCh\n", f"BATCh\n  {restart}\n")
+        (self.at / "deck.inp").write_text(text)
+        done = self.run_bezel("--name", name, *options, "deck.inp")
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stderr
+
+    def table(self, name, curve="force"):
+        """The names of the columns and the rows of a curve."""
+        head, *rows = (self.at / f"{name}_{curve}.dat").read_text().splitlines()
+        return head[1:].split(), [[float(word) for word in row.split()] for row in rows]
+
+    def test_other_fields_than_those_of_the_file_are_refused(self):
+        def fields(names):
+            return ("  DT,,0.2\n", f"  DT,,0.2\n  OUTPut,,every 1 {names}\n")
+
+        self.run_as("box", fields("displacement"))
+        before = self.table("box")
+        said = self.run_as("box", fields("displacement mises"), restart="RESTart", code=1)
+        self.assertIn("contains the fields displacement up to step 2, but OUTPut names", said)
+        self.assertIn("OUTPut,,every 1 displacement mises", said)
+        self.assertEqual(self.table("box"), before)
+        for names in ("displacement", ""):
+            self.run_as("box", fields(names), restart="RESTart")
+        with h5py.File(self.at / "box.vtkhdf") as file:
+            self.assertEqual(list(file["VTKHDF/Steps/StepNumber"]), [1, 2, 3, 4, 5, 6])
+            self.assertNotIn("mises", file["VTKHDF/PointData"])
+
+
 class Stops(Folder):
     def stopped(self, deck, *commands):
         """Stop a run before each of these commands; the restarted run must be equal bit for bit,
