@@ -7,6 +7,8 @@ module command_files
   use base_error, only: error_t, DECK_ERROR
   use base_file, only: cut_file, file_size, remove_file
   use base_kinds, only: wp, i8
+  use base_log, only: warn
+  use base_text, only: quoted, to_text
   use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
   use curve_file, only: open_curve, write_row, close_curve
@@ -50,8 +52,8 @@ contains
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
-    character(LONG), allocatable :: column(:)
-    integer :: i, j
+    logical :: moved
+    integer :: i
 
     associate (files => run%files)
       if (files%curves_open) return
@@ -61,17 +63,13 @@ contains
       end if
       allocate (files%curve(size(run%model%curve)), files%last_row(size(run%model%curve)))
       do i = 1, size(files%curve)
-        associate (curve => run%model%curve(i))
-          allocate (column(size(curve%quantity)))
-          do j = 1, size(column)
-            column(j) = curve%quantity(j)%column
-          end do
-          if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column, &
-                                         run%program%ntable, error, files%kept)
-          call agree(error)
-          if (allocated(error)) return
-          deallocate (column)
-        end associate
+        moved = .false.
+        if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column_names(run, i), &
+                                       run%program%ntable, error, files%kept, &
+                                       moved)
+        call agree(error)
+        if (allocated(error)) return
+        if (largest(merge(1, 0, moved)) == 1) call warn_moved(run, i)
         if (.not. allocated(files%kept)) cycle
         if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! this may be its last row
       end do
@@ -82,6 +80,31 @@ contains
     end associate
   end subroutine open_files
 
+  pure function column_names(run, i) result(column)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(LONG), allocatable :: column(:)
+    integer :: j
+
+    associate (quantity => run%model%curve(i)%quantity)
+      allocate (column(size(quantity)))
+      do j = 1, size(column)
+        column(j) = quantity(j)%column
+      end do
+    end associate
+  end function column_names
+
+  !> Warn that the table of curve i begins anew, because the old one has other quantities.
+  subroutine warn_moved(run, i)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+
+    call warn('the curve '//quoted(run%model%curve(i)%name)//' has other columns than its table ' &
+              //'before the restart, so it begins after step '//to_text(run%files%kept), &
+              run%model%curve(i)%place, 'its rows of the steps before are in ' &
+              //quoted(curve_path(run, i)//'.old'))
+  end subroutine warn_moved
+
   !> Write a row of every curve.
   subroutine write_rows(run, error)
     type(run_t), intent(inout) :: run
@@ -89,18 +112,19 @@ contains
     real(wp), allocatable :: factor(:)
     integer :: i
 
-    allocate (factor(run%program%ntable), source=0.0_wp)
-    factor(:size(run%state%factor)) = run%state%factor
-    if (size(run%state%factor) == 0) factor = 1.0_wp
     do i = 1, size(run%files%curve)
       if (.not. has_row(run, i)) cycle
       call note_row(run, i)
+      allocate (factor(max(run%program%ntable, run%files%curve(i)%nfactor)), source=0.0_wp)
+      factor(:size(run%state%factor)) = run%state%factor
+      if (size(run%state%factor) == 0) factor = 1.0_wp
       if (is_root()) call write_row(run%files%curve(i), run%state%step, run%state%time, factor, &
                                     run%step%newton%iterations, run%step%cutbacks, &
                                     run%step%newton%converged, run%files%last_row(i)%value(3:), &
                                     error)
       call agree(error)
       if (allocated(error)) return
+      deallocate (factor)
     end do
   end subroutine write_rows
 

@@ -6,6 +6,7 @@
 module curve_file
   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
   use base_error, only: error_t, fail, BUG
+  use base_file, only: replace_file
   use base_kinds, only: wp
   use base_text, only: to_text
   use byte_file, only: byte_file_t, open_bytes, write_text, flush_bytes, close_bytes, write_whole
@@ -15,6 +16,7 @@ module curve_file
 
   integer, parameter :: WIDTH = 25  !! width of a column of reals
   integer, parameter :: NARROW = 12 !! width of a column of integers
+  integer, parameter :: FACTORS = NARROW + WIDTH !! characters of a line before the load factors
 
   type :: curve_file_t
     type(byte_file_t) :: file
@@ -25,20 +27,47 @@ module curve_file
 
 contains
 
-  !> Begin a table. If `keep` is present, the old table keeps its rows up to that step.
-  subroutine open_curve(curve, path, columns, nfactor, error, keep)
+  !> Begin a table. If `keep` is present, the old table keeps its rows up to that step, with all of
+  !! its load factors. If it has other quantities, it gets the name `<path>.old` instead, and the
+  !! new table begins without rows.
+  subroutine open_curve(curve, path, columns, nfactor, error, keep, moved)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:) !! names; trailing blanks are ignored
     integer, intent(in) :: nfactor         !! number of load factors
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep  !! last step whose row is kept
-    character(len(columns) + 12), allocatable :: names(:)
-    character(:), allocatable :: text
-    integer :: i
+    logical, intent(out), optional :: moved !! the old table has another name now
+    character(:), allocatable :: old, text
+    integer :: n
 
     curve%ncolumn = size(columns)
     curve%nfactor = nfactor
+    if (present(moved)) moved = .false.
+    text = header(columns, nfactor)
+    if (present(keep)) then
+      call read_table(path, columns, old, n)
+      if (n >= 0) then
+        curve%nfactor = max(n, nfactor)
+        text = header(columns, curve%nfactor)//rows_up_to(keep, old, n, curve%nfactor)
+      else if (row_step(old) <= keep) then
+        call replace_file(path, path//'.old', error)
+        if (allocated(error)) return
+        if (present(moved)) moved = .true.
+      end if
+    end if
+    call write_whole(path, text, error)
+    if (.not. allocated(error)) call open_bytes(curve%file, path, .true., error)
+  end subroutine open_curve
+
+  !> The first line of a table with its line end.
+  pure function header(columns, nfactor) result(text)
+    character(*), intent(in) :: columns(:)
+    integer, intent(in) :: nfactor
+    character(:), allocatable :: text
+    character(len(columns) + 12), allocatable :: names(:)
+    integer :: i
+
     text = '#'//right('step', NARROW - 1)//right('time', WIDTH)
     do i = 1, nfactor
       text = text//right('factor_'//to_text(i), WIDTH)
@@ -50,10 +79,7 @@ contains
       text = text//right(trim(names(i)), WIDTH)
     end do
     text = text//new_line('a')
-    if (present(keep)) text = text//rows_up_to(path, keep)
-    call write_whole(path, text, error)
-    if (.not. allocated(error)) call open_bytes(curve%file, path, .true., error)
-  end subroutine open_curve
+  end function header
 
   !> Write the row of a step that converged or was closed.
   subroutine write_row(curve, step, time, factor, iterations, cutbacks, converged, values, error)
@@ -115,16 +141,18 @@ contains
     end do
   end subroutine curve_names
 
-  !> Rows of the old file up to step `keep`; empty if there is no file. If the last line has no line
-  !! end, it was cut off when a run was killed, and is dropped.
-  function rows_up_to(path, keep) result(text)
+  !> Read the rows of an old table. Its number of load factors is -1 if its quantities are not these
+  !! columns; without a file there are no rows.
+  subroutine read_table(path, columns, rows, nfactor)
     character(*), intent(in) :: path
-    integer, intent(in) :: keep
-    character(:), allocatable :: text
+    character(*), intent(in) :: columns(:)
+    character(:), allocatable, intent(out) :: rows !! lines with their line ends
+    integer, intent(out) :: nfactor
     character(:), allocatable :: old
-    integer :: unit, status, step, first, last, n
+    integer :: unit, status, first, n
 
-    text = ''
+    rows = ''
+    nfactor = 0
     open (newunit=unit, file=path, action='read', status='old', access='stream', iostat=status)
     if (status /= 0) return
     inquire (unit, size=n)
@@ -132,19 +160,58 @@ contains
     read (unit, iostat=status) old
     close (unit)
     if (status /= 0) return
-    first = 1
-    n = 0 ! the rows to keep move to the front
+    first = index(old, new_line('a')) + 1
+    rows = old(first:)
     do
-      last = first + index(old(first:), new_line('a')) - 1
-      if (last < first) exit
-      read (old(first:last - 1), *, iostat=status) step
-      if (status == 0 .and. step <= keep) then
-        old(n + 1:n + 1 + last - first) = old(first:last)
-        n = n + 1 + last - first
-      end if
-      first = last + 1
+      if (index(old(:first - 1), right('factor_'//to_text(nfactor + 1), WIDTH)) == 0) exit
+      nfactor = nfactor + 1
     end do
-    text = old(:n)
+    if (old(:first - 1) /= header(columns, nfactor)) nfactor = -1
+  end subroutine read_table
+
+  !> Step of the first of some rows; the largest integer if there is none.
+  pure integer function row_step(rows) result(step)
+    character(*), intent(in) :: rows
+    integer :: status
+
+    status = 1
+    if (len(rows) >= NARROW) read (rows(:NARROW), *, iostat=status) step
+    if (status /= 0) step = huge(1)
+  end function row_step
+
+  !> Rows of an old table up to step `keep`. Factors of load tables that the old run did not have
+  !! are 0 or, if it had none at all, 1. If the last line has no line end, it was cut off when a run
+  !! was killed, and is dropped.
+  function rows_up_to(keep, old, nold, nnew) result(text)
+    integer, intent(in) :: keep
+    character(*), intent(in) :: old
+    integer, intent(in) :: nold, nnew !! numbers of load factors; nnew is not smaller
+    character(:), allocatable :: text
+    character(:), allocatable :: missing
+    integer :: first, last, n, pass, same
+
+    same = FACTORS + nold*WIDTH
+    missing = repeat(number(merge(1.0_wp, 0.0_wp, nold == 0)), nnew - nold)
+    text = ''
+    do pass = 1, 2 ! measure, then copy
+      first = 1
+      n = 0
+      do
+        last = first + index(old(first:), new_line('a')) - 1
+        if (last < first) exit
+        if (row_step(old(first:last)) <= keep .and. last - first >= same) then
+          if (pass == 2) then
+            text(n + 1:n + same) = old(first:first + same - 1)
+            text(n + same + 1:n + same + len(missing)) = missing
+            text(n + same + len(missing) + 1:n + len(missing) + last - first + 1) &
+              = old(first + same:last)
+          end if
+          n = n + len(missing) + last - first + 1
+        end if
+        first = last + 1
+      end do
+      if (pass == 1) text = repeat(' ', n)
+    end do
   end function rows_up_to
 
   !> Text aligned to the right of its column, with at least one blank before it.

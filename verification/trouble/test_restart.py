@@ -246,6 +246,40 @@ class Names(Folder):
         head, *rows = (self.at / f"{name}_{curve}.dat").read_text().splitlines()
         return head[1:].split(), [[float(word) for word in row.split()] for row in rows]
 
+    def test_other_quantities_begin_a_new_table(self):
+        before = self.table("box")
+        for change in ("DISP a 3+ 3", "FORCe a 3- 3\n  DISP a 3+ 3"):
+            with self.subTest(change):
+                self.run_as("box")
+                said = self.run_as("box", ("FORCe a 3- 3", change), restart="RESTart")
+                self.assertIn("has other columns than its table before the restart", said)
+                self.assertIn("1 warning", said)
+                head, rows = self.table("box")
+                self.assertEqual([row[0] for row in rows], [3, 4])
+                self.assertEqual({len(row) for row in rows}, {len(head)})
+                (self.at / "box_force.dat.old").rename(self.at / "old_force.dat")
+                self.assertEqual(self.table("old"), before)
+
+    def test_rows_before_the_first_load_table_have_the_factor_1(self):
+        none = (("  PROP,,1\n", ""), ("2 1\n0 0\nends ends\n", ""))
+        self.run_as("box", *none)
+        two = (("PROP,,1", "PROP,,1\n  PROP,,2"), ("ends ends\n", "ends ends\n\n2 1\n0 0\n1 1\n"))
+        for changes, head, rows in (
+            ((), ["factor_1"], [[1.0], [1.0], [0.6], [0.8]]),
+            (two, ["factor_1", "factor_2"], [[1.0, 0.0], [1.0, 0.0], [0.6, 0.0], [0.8, 0.0]]),
+            (none, ["factor_1", "factor_2"], [[1.0, 0.0], [1.0, 0.0], [0.6, 0.0], [0.8, 0.0]]),
+        ):
+            last = self.table("box")[1]
+            self.run_as("box", *changes, restart="RESTart")
+            names, found = self.table("box")
+            self.assertEqual([name for name in names if "factor" in name], head)
+            self.assertEqual({len(row) for row in found}, {len(names)})
+            for row, factors in zip(found, rows, strict=False):
+                for factor, wanted in zip(row[2:], factors, strict=False):
+                    self.assertAlmostEqual(factor, wanted, 12)
+            self.assertEqual([row[-1] for row in found[: len(last)]], [row[-1] for row in last])
+            self.assertEqual([row[0] for row in found], list(range(1, len(last) + 3)))
+
     def test_other_fields_than_those_of_the_file_are_refused(self):
         def fields(names):
             return ("  DT,,0.2\n", f"  DT,,0.2\n  OUTPut,,every 1 {names}\n")
