@@ -85,6 +85,7 @@ contains
       return
     end if
     run%files%kept = run%state%step
+    run%files%checkpoint = path
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
   end subroutine restore_run
 

@@ -5,15 +5,15 @@ module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
   use base_error, only: error_t, DECK_ERROR
-  use base_file, only: cut_file, file_size, remove_file
+  use base_file, only: cut_file, file_t, file_size, inspect, remove_file
   use base_kinds, only: wp, i8
-  use base_log, only: warn
+  use base_log, only: log_line, warn
   use base_text, only: quoted, to_text
   use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
-  use curve_file, only: open_curve, write_row, close_curve
+  use curve_file, only: open_curve, write_row, close_curve, find_row
   use curve_values, only: quantity_value
-  use result_file, only: open_result, write_result, close_result, remove_result
+  use result_file, only: open_result, write_result, close_result, remove_result, result_deck
   implicit none
   private
   public :: remove_results, open_files, write_rows, write_fields, close_files
@@ -48,25 +48,32 @@ contains
 
   !> Open the curves; the result file is opened when fields are written for the first time. After a
   !! restart, both, and the printed tables, are cut back at once to the step of the checkpoint, even
-  !! if nothing more is written.
+  !! if nothing more is written, or begin anew if they belong to another run.
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: keep
     logical :: moved
     integer :: i
 
     associate (files => run%files)
       if (files%curves_open) return
       if (allocated(files%kept)) then
-        call open_fields(run, files%kept, error) ! first, because it may fail
+        if (is_own(run)) then
+          keep = files%kept
+        else
+          call log_line('no curves, fields and tables of this name belong to the run of the ' &
+                        //'checkpoint, so they begin after it')
+          if (.not. files%out_open) files%printed = 0
+        end if
+        call open_fields(run, keep, error) ! first, because it may fail
         if (allocated(error)) return
       end if
       allocate (files%curve(size(run%model%curve)), files%last_row(size(run%model%curve)))
       do i = 1, size(files%curve)
         moved = .false.
         if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column_names(run, i), &
-                                       run%program%ntable, error, files%kept, &
-                                       moved)
+                                       run%program%ntable, error, keep, moved)
         call agree(error)
         if (allocated(error)) return
         if (largest(merge(1, 0, moved)) == 1) call warn_moved(run, i)
@@ -93,6 +100,38 @@ contains
       end do
     end associate
   end function column_names
+
+  !> Do the files under the name of this run belong to the run that wrote the checkpoint? They do if
+  !! the checkpoint has this name, too. Of another one, the rows of its step in the old curves must
+  !! have the values of its state; without such rows, the old fields must be those of this deck.
+  logical function is_own(run)
+    type(run_t), intent(inout) :: run
+    real(wp), parameter :: ROUNDING = 1e-12_wp
+    type(file_t) :: own, read
+    real(wp), allocatable :: new(:), old(:)
+    integer :: differs, i
+    logical :: found
+
+    call inspect(run%files%checkpoint, read)
+    call inspect(run%files%stem//'.restart.h5', own)
+    is_own = all(own%identity == read%identity)
+    if (is_own) return
+    differs = -1 ! not known
+    do i = 1, size(run%model%curve)
+      if (.not. has_row(run, i)) cycle
+      new = [run%state%time, values_of(run, i)]
+      allocate (old(size(new)))
+      found = .false.
+      if (is_root()) call find_row(curve_path(run, i), column_names(run, i), run%state%step, old, &
+                                   found)
+      if (found) differs = max(differs, merge(1, 0, any(abs(old - new) > ROUNDING*abs(new))))
+      deallocate (old)
+    end do
+    if (is_root() .and. differs < 0) then
+      differs = merge(0, 1, result_deck(run%files%stem) == run%files%deck_text)
+    end if
+    is_own = largest(differs) == 0
+  end function is_own
 
   !> Warn that the table of curve i begins anew, because the old one has other quantities.
   subroutine warn_moved(run, i)
@@ -141,6 +180,14 @@ contains
   subroutine note_row(run, i)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: i
+
+    run%files%last_row(i)%value = [real(run%state%step, wp), run%state%time, values_of(run, i)]
+  end subroutine note_row
+
+  !> Current values of the quantities of curve i.
+  function values_of(run, i) result(value)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
     real(wp), allocatable :: value(:)
     integer :: j
 
@@ -150,8 +197,7 @@ contains
         value(j) = quantity_value(run%model, run%state, quantity(j))
       end do
     end associate
-    run%files%last_row(i)%value = [real(run%state%step, wp), run%state%time, value]
-  end subroutine note_row
+  end function values_of
 
   !> Write the current fields.
   subroutine write_fields(run, error)

@@ -78,6 +78,7 @@ contains
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
     end associate
     run%files%kept = run%state%step
+    run%files%checkpoint = path_of(run, command)
     call keep_printed(run, command, values)
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'

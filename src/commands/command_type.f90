@@ -115,6 +115,7 @@ module command_type
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none
+    character(:), allocatable :: checkpoint     !! its file
   end type files_t
 
   !> The last point from which a restart repeats this run to the last bit. With FULL factorisation,

@@ -12,7 +12,7 @@ module curve_file
   use byte_file, only: byte_file_t, open_bytes, write_text, flush_bytes, close_bytes, write_whole
   implicit none
   private
-  public :: curve_file_t, open_curve, write_row, close_curve, curve_names
+  public :: curve_file_t, open_curve, write_row, close_curve, curve_names, find_row
 
   integer, parameter :: WIDTH = 25  !! width of a column of reals
   integer, parameter :: NARROW = 12 !! width of a column of integers
@@ -140,6 +140,39 @@ contains
       end do
     end do
   end subroutine curve_names
+
+  !> Find the row of a step in an old table with the same quantities.
+  subroutine find_row(path, columns, step, value, found)
+    character(*), intent(in) :: path
+    character(*), intent(in) :: columns(:)
+    integer, intent(in) :: step
+    real(wp), intent(out) :: value(:) !! (size(columns) + 1) time and quantities
+    logical, intent(out) :: found
+    character(:), allocatable :: old
+    integer :: first, last, n, status
+
+    value = 0.0_wp
+    found = .false.
+    call read_table(path, columns, old, n)
+    if (n < 0) return
+    first = 1
+    do
+      last = first + index(old(first:), new_line('a')) - 1
+      if (last < first) return
+      if (row_step(old(first:last)) == step) then
+        status = 1
+        if (last - first >= FACTORS + (n + size(columns))*WIDTH) then
+          read (old(first + NARROW:last - 1), *, iostat=status) value(1)
+        end if
+        if (status == 0 .and. size(columns) > 0) then
+          read (old(last - size(columns)*WIDTH:last - 1), *, iostat=status) value(2:)
+        end if
+        found = status == 0
+        return
+      end if
+      first = last + 1
+    end do
+  end subroutine find_row
 
   !> Read the rows of an old table. Its number of load factors is -1 if its quantities are not these
   !! columns; without a file there are no rows.

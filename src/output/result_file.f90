@@ -7,11 +7,12 @@ module result_file
   use model, only: model_t, state_t
   use program_version, only: VERSION
   use view, only: view_t, build_view, map_field
-  use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
+  use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_deck
   use vtu_file, only: vtu_series_t, open_series, append_series
   implicit none
   private
-  public :: result_file_t, open_result, choose_fields, write_result, close_result, remove_result
+  public :: result_file_t, open_result, choose_fields, write_result, close_result, remove_result, &
+            result_deck
 
   type :: result_file_t
     type(view_t) :: view
@@ -55,6 +56,14 @@ contains
     call open_series(series, stem)
     call remove_file(stem//'.vtkhdf')
   end subroutine remove_result
+
+  !> Text of the deck whose fields have a name; empty if it is not known.
+  function result_deck(stem) result(text)
+    character(*), intent(in) :: stem !! folder and name
+    character(:), allocatable :: text
+
+    call read_deck(stem//'.vtkhdf', text)
+  end function result_deck
 
   !> Choose the fields that OUTPut names, or the default fields of the model if it names none. This
   !! must precede the first call of write_result.

@@ -17,7 +17,7 @@ module vtkhdf_file
   use vtkhdf_layout, only: run_info_t, write_layout
   implicit none
   private
-  public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf
+  public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_deck
 
   integer, parameter :: FIRST_ROOM = 8 !! steps for which a new file has space
 
@@ -125,6 +125,23 @@ contains
       text = text//' '//trim(names(i))
     end do
   end function listed
+
+  !> Read the text of the deck of an old file; it is empty if it is not found.
+  subroutine read_deck(path, text)
+    character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: text
+    type(error_t), allocatable :: ignored
+    type(hdf5_t) :: file
+    logical :: exists
+
+    inquire (file=path, exist=exists)
+    if (exists) call open_file(file, path, .false., ignored)
+    if (exists .and. .not. allocated(ignored)) then
+      call get_attribute(file, '/', 'deck', text, ignored)
+      call close_file(file, ignored)
+    end if
+    if (.not. allocated(text)) text = ''
+  end subroutine read_deck
 
   !> Write a step. It replaces steps of the same or a higher number, which a repeated run wrote.
   subroutine append_vtkhdf(result, view, step, time, field, error)

@@ -280,6 +280,41 @@ class Names(Folder):
             self.assertEqual([row[-1] for row in found[: len(last)]], [row[-1] for row in last])
             self.assertEqual([row[0] for row in found], list(range(1, len(last) + 3)))
 
+    def test_files_of_another_run_are_not_continued(self):
+        """The checkpoint of one name is continued under another name that has older files."""
+        printed = ("    SAVE\n", "    DISP,ALL\n    PLOT\n")
+        for options, restart in (
+            ((), "RESTart,box.restart.h5"),
+            (("--restart", "box.restart.h5"), ""),
+        ):
+            with self.subTest(restart):
+                self.run_as("b", printed, ("way = 0.1", "way = -0.05"))
+                self.assertEqual(len(self.table("b")[1]), 2)
+                self.run_as("b", options=options, restart=restart)
+                new = [3.0, 4.0] if restart else []
+                self.assertEqual([row[0] for row in self.table("b")[1]], new)
+                left = [name for name in self.files() if name[:2] in ("b.", "b_")]
+                own = ["b.log", "b.report.json", "b.restart.h5", "b_force.dat"]
+                self.assertEqual(left, own if restart else [n for n in own if "restart" not in n])
+                if restart:
+                    (self.at / "b.restart.h5").unlink()
+
+    def test_files_are_continued_from_a_copy_of_the_checkpoint(self):
+        for text, fields in ((self.deck, ""), (self.deck.replace("  FORCe a 3- 3\n", ""), "field")):
+            with self.subTest(fields):
+                if fields:
+                    text = text.replace("CURVe,force\n\n", "")
+                self.deck = text.replace("    SAVE\n", "    PLOT\n    SAVE\n")
+                self.run_as("box")
+                names = self.files()
+                rows = None if fields else self.table("box")
+                shutil.move(self.at / "box.restart.h5", self.at / "copy.h5")
+                self.run_as("box", options=("--restart", "copy.h5"))
+                left = [name for name in names if name not in ("box.restart.h5", "copy.h5")]
+                self.assertEqual([name for name in self.files() if name != "copy.h5"], left)
+                if not fields:
+                    self.assertEqual(self.table("box"), rows)
+
     def test_other_fields_than_those_of_the_file_are_refused(self):
         def fields(names):
             return ("  DT,,0.2\n", f"  DT,,0.2\n  OUTPut,,every 1 {names}\n")
