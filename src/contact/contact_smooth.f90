@@ -28,7 +28,7 @@ module contact_smooth
   use surface_basis, only: surface_functions_at, make_rational
   implicit none
   private
-  public :: smooth_t, smooth_side, largest_pressure, largest_tangential, number_nodes, &
+  public :: smooth_t, smooth_side, find_areas, largest_pressure, largest_tangential, number_nodes, &
             count_nodes, find_squares, weighting_functions, reverse
 
   !> Coefficients at the nodes of a side.
@@ -42,6 +42,7 @@ module contact_smooth
     real(wp), allocatable :: slip(:, :)     !! (3, n) elastic tangential displacement [L]
     real(wp), allocatable :: state(:)       !! (n) 0 open, 1 stick (or no friction), 2 slip
     real(wp), allocatable :: gap(:)         !! (n) height of the points above the other surface [L]
+    logical, allocatable :: faces(:)        !! (n) some point near the node has a projection
   end type smooth_t
 
   !> Rows of the sums in points%spread: traction, pressure, elastic slip, state, friction, and
@@ -57,7 +58,7 @@ module contact_smooth
 contains
 
   !> Find all fields of side k, which must not be rigid. If no point near a node has a projection,
-  !! the node is given the gap of the farthest point that has one.
+  !! the node is given the gap of the farthest point that has one, and `faces` is false.
   subroutine smooth_side(contact, k, points, field, others)
     type(contact_t), intent(in) :: contact
     integer, intent(in) :: k
@@ -65,7 +66,7 @@ contains
     type(smooth_t), intent(out) :: field
     !> Points of the other side, which with BALAnced load side k too; absent: they do not count.
     type(contact_points_t), intent(in), optional :: others
-    real(wp), allocatable :: total(:, :), shp(:), dshp(:, :)
+    real(wp), allocatable :: total(:, :), shp(:)
     real(wp) :: far
     logical, allocatable :: squares(:)
     integer :: a, e, i, n, q
@@ -76,14 +77,10 @@ contains
       allocate (total(NSUM, n), source=0.0_wp)
       squares = find_squares(contact, k, points)
       do e = 1, own%nelem
-        associate (basis => own%basis(own%ibasis(e)), first => own%first(e), &
-                   last => own%first(e + 1) - 1)
+        associate (first => own%first(e), last => own%first(e + 1) - 1)
           do q = 1, contact%nq
             i = (e - 1)*contact%nq + q
-            shp = basis%shp(:, q)
-            dshp = basis%dshp(:, :, q)
-            if (allocated(own%w)) call make_rational(own%w(first:last), shp, dshp)
-            if (squares(e)) shp = shp**2
+            call weights_of_point(own, e, q, squares, shp)
             call add_point(points, i, shp, field%at(first:last), total)
           end do
         end associate
@@ -100,6 +97,7 @@ contains
               source=0.0_wp)
     allocate (field%pressure(n), field%state(n), source=0.0_wp)
     allocate (field%gap(n), source=far)
+    allocate (field%faces(n), source=.false.)
     do a = 1, n
       if (total(AREA, a) > 0.0_wp) then
         field%traction(:, a) = total(1:3, a)/total(AREA, a)
@@ -109,9 +107,54 @@ contains
         field%friction(:, a) = total(9:11, a)/total(AREA, a)
         field%normal(:, a) = total(12:14, a)/total(AREA, a)
       end if
-      if (total(GAP_AREA, a) > 0.0_wp) field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
+      if (total(GAP_AREA, a) > 0.0_wp) then
+        field%gap(a) = min(far, total(GAP, a)/total(GAP_AREA, a))
+        field%faces(a) = .true.
+      end if
     end do
   end subroutine smooth_side
+
+  !> Find the areas with which the nodes of each element of side k count in smooth_side, int N_A da.
+  pure subroutine find_areas(contact, k, points, area)
+    type(contact_t), intent(in) :: contact
+    integer, intent(in) :: k
+    type(contact_points_t), intent(in) :: points !! points of side k
+    real(wp), intent(out) :: area(:)             !! (size(surface%node)) [L^2]
+    real(wp), allocatable :: shp(:)
+    logical :: squares(contact%side(k)%nelem)
+    integer :: e, q
+
+    squares = find_squares(contact, k, points)
+    associate (own => contact%side(k))
+      do e = 1, own%nelem
+        associate (mine => area(own%first(e):own%first(e + 1) - 1))
+          mine = 0.0_wp
+          do q = 1, contact%nq
+            call weights_of_point(own, e, q, squares, shp)
+            mine = mine + points%area((e - 1)*contact%nq + q)*shp
+          end do
+        end associate
+      end do
+    end associate
+  end subroutine find_areas
+
+  !> Weights of the nodes of element e at its integration point q: the functions or their squares.
+  pure subroutine weights_of_point(surface, e, q, squares, shp)
+    type(surface_t), intent(in) :: surface
+    integer, intent(in) :: e, q
+    logical, intent(in) :: squares(:)              !! (nelem) see find_squares
+    real(wp), allocatable, intent(inout) :: shp(:) !! (nsf)
+    real(wp), allocatable :: dshp(:, :)
+
+    associate (basis => surface%basis(surface%ibasis(e)))
+      shp = basis%shp(:, q)
+      if (allocated(surface%w)) then
+        dshp = basis%dshp(:, :, q)
+        call make_rational(surface%w(surface%first(e):surface%first(e + 1) - 1), shp, dshp)
+      end if
+    end associate
+    if (squares(e)) shp = shp**2
+  end subroutine weights_of_point
 
   !> Mark the elements of side k in which the squares of the functions are the weights.
   pure function find_squares(contact, k, points) result(squares)

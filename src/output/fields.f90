@@ -5,26 +5,13 @@
 module fields
   use base_kinds, only: wp
   use base_text, only: lower, key_of
-  use contact_pair, only: is_integrated
-  use contact_smooth, only: smooth_t, smooth_side
   use model, only: model_t, state_t
+  use nodal_contact, only: nodal_contact_t, gather_contact
   use stress_projection, only: project_stress
   use view, only: view_t, map_field, map_surface_field
   implicit none
   private
   public :: field_t, known_fields, default_fields, named_fields, describe_field, collect_fields
-
-  !> Coefficients of the fields of contact. If a node belongs to several sides, the tractions,
-  !! pressures and slips are added, and the smallest gap and the largest state are taken.
-  type :: nodal_contact_t
-    real(wp), allocatable :: traction(:, :) !! (3, nnode) on the surface [F/L^2]
-    real(wp), allocatable :: friction(:, :) !! (3, nnode) the part due to friction [F/L^2]
-    real(wp), allocatable :: pressure(:, :) !! (1, nnode) [F/L^2]
-    real(wp), allocatable :: gap(:, :)      !! (1, nnode) [L]
-    real(wp), allocatable :: slip(:, :)     !! (3, nnode) [L]
-    real(wp), allocatable :: state(:, :)    !! (1, nnode) 0 open, 1 stick, 2 slip
-    logical, allocatable :: met(:)          !! (nnode) the node is on a side that has been smoothed
-  end type nodal_contact_t
 
   !> One field. At the points of Bezier cells, its values are control values of the field, just as
   !! the positions are control points.
@@ -137,7 +124,9 @@ contains
       allocate (pressure(1, n))
       pressure(1, :) = -(stress(1, :) + stress(2, :) + stress(3, :))/3.0_wp
     end if
-    if (any(names(:) (:8) == 'contact_')) call gather_contact(model, state, contact)
+    if (any(names(:) (:8) == 'contact_')) then
+      call gather_contact(model%contact, state%contact, n, contact)
+    end if
     allocate (field(size(names)))
     do i = 1, size(names)
       call describe_field(names(i), field(i))
@@ -170,38 +159,5 @@ contains
       end select
     end do
   end subroutine collect_fields
-
-  !> Smooth the fields of all sides of all contacts. A side that is not integrated has no points,
-  !! and its fields stay zero.
-  subroutine gather_contact(model, state, nodal)
-    type(model_t), intent(in) :: model
-    type(state_t), intent(in) :: state
-    type(nodal_contact_t), intent(out) :: nodal
-    type(smooth_t) :: field
-    integer :: a, c, k, n
-
-    n = model%mesh%nnode
-    allocate (nodal%traction(3, n), nodal%friction(3, n), nodal%slip(3, n), source=0.0_wp)
-    allocate (nodal%pressure(1, n), nodal%gap(1, n), nodal%state(1, n), source=0.0_wp)
-    allocate (nodal%met(n), source=.false.)
-    do c = 1, size(model%contact)
-      do k = 1, 2
-        if (.not. is_integrated(model%contact(c), k)) cycle
-        associate (side => state%contact(c)%side)
-          call smooth_side(model%contact(c), k, side(k), field, side(3 - k))
-        end associate
-        do a = 1, size(field%node)
-          n = field%node(a)
-          nodal%traction(:, n) = nodal%traction(:, n) + field%traction(:, a)
-          nodal%friction(:, n) = nodal%friction(:, n) + field%friction(:, a)
-          nodal%pressure(1, n) = nodal%pressure(1, n) + field%pressure(a)
-          nodal%slip(:, n) = nodal%slip(:, n) + field%slip(:, a)
-          nodal%state(1, n) = max(nodal%state(1, n), field%state(a))
-          nodal%gap(1, n) = merge(min(nodal%gap(1, n), field%gap(a)), field%gap(a), nodal%met(n))
-          nodal%met(n) = .true.
-        end do
-      end do
-    end do
-  end subroutine gather_contact
 
 end module fields

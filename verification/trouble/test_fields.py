@@ -1,4 +1,6 @@
-"""Fields of contact contain no artefacts of the format of the result file."""
+"""Fields of contact contain no artefacts of the format of the result file or of several contacts."""
+
+import numpy as np
 
 from post._fields import read_fields
 from verification.trouble.test_files import HERE, Folder
@@ -21,3 +23,30 @@ class Contact(Folder):
                 values = arrays[name][1][-1]
                 self.assertGreater(values.max(), 0.99)
                 self.assertEqual(values.min(), 0.0)
+
+    def on_floor(self, name, field, *options):
+        """Run a deck of the folder `silent`; return the x and the field of the points at z = 0."""
+        (self.at / "d.inp").write_text((HERE / f"silent/{name}.inp").read_text())
+        done = self.run_bezel(*options, "d.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = read_fields(self.at / "d.vtkhdf")
+        on = np.abs(found.points[:, 2]) < 1e-9
+        return found.points[on, 0], found.arrays[field][1][-1][on]
+
+    def test_neighbouring_faces_of_two_contacts_have_one_pressure(self):
+        """Each contact has the area of its own faces only, also at the nodes on their border."""
+        x, pressure = self.on_floor("seam_of_contacts", "contact_pressure")
+        self.assertIn(1.0, x)
+        np.testing.assert_allclose(pressure, 1.0, rtol=1e-9)
+        _, traction = self.on_floor("seam_of_contacts", "contact_traction")
+        np.testing.assert_allclose(np.abs(traction[:, 2]), 1.0, rtol=1e-9)
+
+    def test_the_gap_is_that_of_the_contact_that_a_node_faces(self):
+        """Over the left floor the block hovers 0.099, over the right one 0.019 above it."""
+        x, gap = self.on_floor("gap_of_two_contacts", "contact_gap")
+        np.testing.assert_allclose(gap[x < -0.2], 0.099, atol=2e-4)
+        np.testing.assert_allclose(gap[x > 0.1], 0.019, atol=2e-4)
+
+    def test_a_contact_that_faces_nothing_does_not_look_closed(self):
+        _, gap = self.on_floor("gap_of_two_contacts", "contact_gap", "--set", "dx=-1.2")
+        np.testing.assert_allclose(gap, 0.099, atol=2e-4)
