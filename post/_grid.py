@@ -1,6 +1,7 @@
 """Read result files (.vtkhdf, .pvd, .vtu), one step at a time, as VTK grids of Bezier cells."""
 
 import pathlib
+import re
 from xml.etree import ElementTree
 
 from post._error import Unreadable
@@ -83,11 +84,15 @@ def _vtu(path):
 
 def _pvd(path):
     try:
-        sets = ElementTree.parse(path).getroot().iter("DataSet")
+        sets = list(ElementTree.parse(path).getroot().iter("DataSet"))
+        files = [s.get("file") for s in sets]
+        # the files of the program end with the step of the analysis
+        named = [re.search(r"_(\d+)\.vtu$", file) for file in files]
         return [
-            (i, float(s.get("timestep", 0)), _vtu(path.parent / s.get("file"))[0][2])
-            for i, s in enumerate(sets, 1)
-        ]
+            (int(named[i][1]) if all(named) else i + 1, float(s.get("timestep", 0)),
+             _vtu(path.parent / file)[0][2])
+            for i, (s, file) in enumerate(zip(sets, files))
+        ]  # fmt: skip
     except (ElementTree.ParseError, TypeError, ValueError):
         raise Unreadable(f"'{path}' is not a complete .pvd file") from None
 
@@ -103,11 +108,15 @@ def _vtkhdf(path):
     reader = vtkHDFReader()
     reader.SetFileName(str(path))
 
-    def at(time):
+    reader.UpdateInformation()
+
+    def at(step):
         def read():
             import pyvista
 
-            reader.UpdateTimeStep(time)
+            # not by its time: VTK would take another step where times repeat or decrease
+            reader.SetStep(step)
+            reader.Update()
             data = reader.GetOutputDataObject(0)
             if data is not None and data.IsA("vtkPartitionedDataSet"):
                 data = data.GetPartition(0)
@@ -117,7 +126,7 @@ def _vtkhdf(path):
 
         return read
 
-    return [(int(n), float(t), at(float(t))) for n, t in zip(fields.numbers, fields.times)]
+    return [(int(n), float(t), at(i)) for i, (n, t) in enumerate(zip(fields.numbers, fields.times))]
 
 
 def _activate(grid):

@@ -70,6 +70,37 @@ class Pictures(Scratch):
             surface.n_cells, 10 * 2 * 16**2
         )  # the face between the two cells is not drawn
 
+    def test_steps_are_found_where_times_repeat_and_decrease(self):
+        """VTK finds a step by its time, which ARCLength may decrease."""
+        import h5py
+
+        from post import _fields, _grid
+
+        with h5py.File(self.run_file, "r+") as file:
+            file["VTKHDF/Steps/Values"][...] = [0.5, 0.5, 0.1]
+        expected = _fields.read_fields(self.run_file).arrays["displacement"][1]
+        for number, wanted in zip((10, 20, 30), expected):
+            found = _grid.load(self.run_file, number)[0]
+            np.testing.assert_array_equal(found.point_data["displacement"], wanted)
+
+    def test_steps_of_a_list_of_files_are_those_of_the_analysis(self):
+        from post import _grid
+
+        self.assertEqual(self.listed("ring_0002.vtu", "ring_0004.vtu"), [(2, 0.0), (4, 1.0)])
+        self.assertEqual(self.listed("a.vtu", "ring_0004.vtu"), [(1, 0.0), (2, 1.0)])
+        self.listed("ring_0002.vtu", "ring_0004.vtu")
+        with self.assertRaisesRegex(Unreadable, "no step 1"):
+            _grid.load(self.folder / "ring.pvd", 1)
+
+    def listed(self, *names):
+        """The steps of a .pvd file that lists these files at the times 0, 1, ..."""
+        from post import _grid
+
+        sets = "".join(f'<DataSet timestep="{i}" file="{n}"/>' for i, n in enumerate(names))
+        path = self.folder / "ring.pvd"
+        path.write_text(f'<VTKFile type="Collection"><Collection>{sets}</Collection></VTKFile>')
+        return _grid.steps_of(path)
+
     def test_edges_are_curves_of_the_outer_faces(self):
         from post import _grid, _surface
 
