@@ -16,9 +16,11 @@ class Scene:
     outline: object
     caption: str
 
-    def mirror(self, axis):
-        """Add the mirror image across the plane where a coordinate (0 1 2) is zero."""
-        self.surface = _surface.mirrored(self.surface, axis)
+    def mirror(self, axis, odd=False):
+        """Add the mirror image across the plane where a coordinate (0 1 2) is zero. If `odd`, the
+        scalar changes its sign there.
+        """
+        self.surface = _surface.mirrored(self.surface, axis, odd)
         self.edges, self.outline = (
             part and part.n_points and _surface.mirrored(part, axis) or None
             for part in (self.edges, self.outline)

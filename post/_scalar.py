@@ -28,7 +28,7 @@ def _component(array, path, name, component):
         return array
     n = array.shape[1]
     names = COMPONENTS.get(n, tuple(str(i) for i in range(1, n + 1)))
-    component = {"x": "1", "y": "2", "z": "3"}.get(component, component)
+    component = _numbered(component)
     if component == "magnitude" or (component is None and n == 3):
         return np.linalg.norm(array, axis=1)
     if component == "trace" and n == 6:
@@ -36,6 +36,20 @@ def _component(array, path, name, component):
     if component not in names:
         raise Unreadable(f"choose a component of '{name}' with --component: {' '.join(names)}")
     return array[:, names.index(component)]
+
+
+def _numbered(component):
+    return {"x": "1", "y": "2", "z": "3"}.get(component, component)
+
+
+def is_odd(component, axis):
+    """Does a component of a vector or tensor change its sign in the mirror image across the plane
+    where a coordinate (0 1 2) is zero?
+
+    >>> [is_odd(c, 0) for c in ("x", "2", "11", "12", "23", "31", "trace", "magnitude", None)]
+    [True, False, False, True, False, True, False, False, False]
+    """
+    return (_numbered(component) or "").count("123"[axis]) % 2 == 1
 
 
 def colours(shown, limits=None, cmap=None):

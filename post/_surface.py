@@ -61,9 +61,10 @@ def outline(grid, angle=25.0):
     )
 
 
-def mirrored(part, axis):
+def mirrored(part, axis, odd=False):
     """A surface or lines together with their mirror image across the plane where a coordinate
-    (0 1 2) is zero; parts that lie in the plane are omitted.
+    (0 1 2) is zero; parts that lie in the plane are omitted. If `odd`, the data of points have the
+    opposite sign in the image.
     """
     import pyvista
 
@@ -71,7 +72,10 @@ def mirrored(part, axis):
     lines = [] if cells is not None else [part.get_cell(i).point_ids for i in range(part.n_cells)]
     away = np.abs(part.points[:, axis]) > 1e-6 * max(part.length, 1e-300)
     if cells is not None:
-        half = pyvista.PolyData.from_regular_faces(part.points, cells[away[cells].any(axis=1)])
+        kept = away[cells].any(axis=1)
+        half = pyvista.PolyData.from_regular_faces(part.points, cells[kept])
+        for name in part.cell_data:
+            half.cell_data[name] = part.cell_data[name][kept]
     else:
         kept = [ids for ids in lines if away[ids].any()]
         half = pyvista.PolyData(part.points, lines=[n for ids in kept for n in (len(ids), *ids)])
@@ -79,6 +83,9 @@ def mirrored(part, axis):
         half.point_data[name] = part.point_data[name]
     other = half.copy()
     other.points[:, axis] *= -1.0
+    if odd:
+        for name in part.point_data:
+            other.point_data[name] = -part.point_data[name]
     if cells is not None:
         other = other.flip_faces()
     return half.append_polydata(other)

@@ -32,12 +32,12 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
     step: as in post._grid.load, or a list with one step for each path; component: 1 2 3, 11 22 33
     12 23 31, magnitude or trace; view: a key of VIEWS or 'azimuth,elevation' in degrees; limits:
     (low, high) of the colours; size: pixels of one panel; mirror: letters of 'xyz' if the model is
-    part of a body that is symmetric about the planes where these coordinates are zero (scalars
-    only); say_step: whether the caption of a labelled panel also gives the step; words: the label
-    of the colour bar, by default the name of the field; bodies: numbers of the bodies to draw, by
-    default all; frame: (xmin, xmax, ymin, ymax, zmin, zmax) of a box that fills the picture, for a
-    close-up. `warp` may be a list, too. With the scalar 'body' the bodies are grey and there is no
-    colour bar. Returns the limits of the colours.
+    part of a body that is symmetric about the planes where these coordinates are zero; say_step:
+    whether the caption of a labelled panel also gives the step; words: the label of the colour bar,
+    by default the name of the field; bodies: numbers of the bodies to draw, by default all; frame:
+    (xmin, xmax, ymin, ymax, zmin, zmax) of a box that fills the picture, for a close-up. `warp` may
+    be a list, too. With the scalar 'body' the bodies are grey and there is no colour bar. Returns
+    the limits of the colours.
     """
     prepare()
     steps = step if isinstance(step, list) else [step] * len(paths)
@@ -47,8 +47,7 @@ def draw(paths, output, scalar="displacement", component=None, step="last", warp
         for p, s, w in zip(paths, steps, warps)
     ]
     for scene, label in zip(shown, labels or [None] * len(shown)):
-        for letter in mirror:
-            scene.mirror("xyz".index(letter))
+        _mirror(scene, mirror, component)
         if label:
             scene.caption = f"{label}, {scene.caption}" if say_step else label
     plain = scalar == "body"
@@ -83,6 +82,12 @@ def _scene(path, scalar, component, step, warp, edges, outline, level, bodies=No
     )
     lines = _surface.edges(grid, level) if edges else None
     return _picture.Scene(_surface.surface(grid, level), lines, undeformed, caption)
+
+
+def _mirror(scene, letters, component):
+    for letter in letters:
+        axis = "xyz".index(letter)
+        scene.mirror(axis, _scalar.is_odd(component, axis))
 
 
 def _camera(view):

@@ -120,6 +120,29 @@ class Pictures(Scratch):
             self.assertEqual(whole.n_cells % 2, 0)
             self.assertLessEqual(whole.n_cells, 2 * part.n_cells)
 
+    def test_a_mirror_image_reverses_odd_components(self):
+        from post import field
+
+        for component, sign in (("1", -1), ("2", 1), ("magnitude", 1)):
+            scene = field._scene(
+                self.run_file, "displacement", component, "last", 0.0, False, False, None
+            )
+            field._mirror(scene, "x", component)
+            low = {}
+            for x, v in zip(scene.surface.points.round(6), scene.surface["shown"]):
+                low[tuple(x + 0.0)] = v
+            for (x, y, z), v in low.items():
+                self.assertAlmostEqual(low[(-x + 0.0, y, z)], v if x == 0 else sign * v, 6)
+
+    def test_data_of_cells_are_mirrored(self):
+        from post import field
+
+        scene = field._scene(self.run_file, "material", None, "last", 0.0, False, False, None)
+        n = scene.surface.n_cells
+        field._mirror(scene, "x", None)
+        self.assertGreater(scene.surface.n_cells, n)
+        self.assertTrue((scene.surface["shown"] == 1).all())
+
     def test_a_picture_is_written_and_is_not_blank(self):
         from matplotlib.image import imread
 
