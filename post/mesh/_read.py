@@ -74,9 +74,9 @@ def read_vtk(path):
             t.fail("a polygon is not a quad")
         return points, _table(cells, 4), _table([], 8), {}
     t.seek("CELL_TYPES")
-    if t.count("the number of CELL_TYPES") != n:
-        t.fail(f"the number of CELL_TYPES differs from that of CELLS, {n}")
-    types = t.numbers(n, "CELL_TYPES", int)
+    if t.count("the number of CELL_TYPES") != len(cells):
+        t.fail(f"the number of CELL_TYPES differs from that of CELLS, {len(cells)}")
+    types = t.numbers(len(cells), "CELL_TYPES", int)
     return points, *_by_type(t, cells, types), {}
 
 

@@ -57,6 +57,20 @@ class Files(Folder):
         for path in paths:
             self.assertGreater(pathlib.Path(path).stat().st_size, 10_000)
 
+    def test_both_layouts_of_vtk_files_are_read(self):
+        """VTK writes OFFSETS and CONNECTIVITY since version 5 of the format."""
+        points, cells = grid()
+        old = vtk(points, cells)
+        offsets = " ".join(map(str, 8 * np.arange(len(cells) + 1)))
+        nodes = " ".join(map(str, np.ravel(cells)))
+        start, end = old.index("CELLS"), old.index("CELL_TYPES")
+        new = (old[:start].replace("Version 2.0", "Version 5.1")
+               + f"CELLS {len(cells) + 1} {8 * len(cells)}\nOFFSETS vtktypeint64\n{offsets}\n"
+               f"CONNECTIVITY vtktypeint64\n{nodes}\n" + old[end:])  # fmt: skip
+        one, two = (_read.read_vtk(self.file(n, t)) for n, t in (("a.vtk", old), ("b.vtk", new)))
+        for i in range(3):
+            np.testing.assert_array_equal(one[i], two[i])
+
     def test_points_of_the_bulk_come_back_bit_by_bit(self):
         body = self.body()
         path = self.file("b.msh", _write.gmsh_text(body))
