@@ -46,7 +46,7 @@ contains
     if (allocated(error)) return
     call new_geometry(s, degree, geo, error)
     if (allocated(error)) return
-    call check_enrichment(s, geo, error)
+    call check_enrichment(s, geo, turned, error)
     if (allocated(error)) return
     if (s%geometry /= GEO_BOX) call check_orientation(geo%coarse, s%name, s%place, error)
     if (allocated(error)) return

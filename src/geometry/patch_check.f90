@@ -121,19 +121,20 @@ contains
   end subroutine hemisphere_degree
 
   !> Check the ENRIch records against the elements, the geometry and each other.
-  subroutine check_enrichment(spec, geo, error)
+  subroutine check_enrichment(spec, geo, turned, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
+    logical, intent(in) :: turned        !! direction 3 has been reversed; messages name old faces
     type(error_t), allocatable, intent(out) :: error
     logical :: along(3)
     integer :: i, j, d
 
     along = .false.
     do i = 1, size(spec%enrich)
-      call check_record(spec, geo, spec%enrich(i), error)
+      call check_record(spec, geo, spec%enrich(i), turned, error)
       if (allocated(error)) return
       do j = 1, i - 1
-        call check_pair(spec, spec%enrich(j), spec%enrich(i), error)
+        call check_pair(spec, spec%enrich(j), spec%enrich(i), turned, error)
         if (allocated(error)) return
       end do
       along((spec%enrich(i)%face + 1)/2) = .true.
@@ -154,17 +155,27 @@ contains
     end do
   end subroutine check_enrichment
 
+  !> Name of a face, as in the deck, before direction 3 was reversed.
+  pure function deck_name(f, turned) result(name)
+    integer, intent(in) :: f
+    logical, intent(in) :: turned
+    character(2) :: name
+
+    name = FACE(merge(11 - f, f, turned .and. f > 4))
+  end function deck_name
+
   !> Check one ENRIch record.
-  subroutine check_record(spec, geo, e, error)
+  subroutine check_record(spec, geo, e, turned, error)
     type(patch_spec_t), intent(in) :: spec
     type(geometry_t), intent(in) :: geo
     type(enrich_t), intent(in) :: e
+    logical, intent(in) :: turned
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: what
     integer :: axis, d
 
     axis = (e%face + 1)/2
-    what = 'face '//FACE(e%face)//" of patch '"//spec%name//"' has "
+    what = 'face '//deck_name(e%face, turned)//" of patch '"//spec%name//"' has "
     if (spec%type == 'IGA') then
       call fail(error, DECK_ERROR, 'elements of type IGA cannot have ENRIch', e%place, &
                 'their faces are splines already: remove ENRIch, or use TYPE Q1, Q1E9 or Q2')
@@ -181,30 +192,34 @@ contains
       if (d == axis .or. geo%coarse%dir(d)%degree <= e%degree) cycle
       call fail(error, DECK_ERROR, what//'degree '//to_text(geo%coarse%dir(d)%degree) &
                 //' in direction '//to_text(d)//', more than its order '//to_text(e%degree), &
-                e%place, 'use ENRIch '//FACE(e%face)//' '//to_text(geo%coarse%dir(d)%degree))
+                e%place, 'use ENRIch '//deck_name(e%face, turned)//' ' &
+                //to_text(geo%coarse%dir(d)%degree))
       return
     end do
   end subroutine check_record
 
   !> Check that two ENRIch records agree; an error is reported at b, the later one.
-  subroutine check_pair(spec, a, b, error)
+  subroutine check_pair(spec, a, b, turned, error)
     type(patch_spec_t), intent(in) :: spec
     type(enrich_t), intent(in) :: a, b
+    logical, intent(in) :: turned
     type(error_t), allocatable, intent(out) :: error
     integer :: axis
 
     axis = (b%face + 1)/2
     if (a%face == b%face) then
-      call fail(error, DECK_ERROR, 'duplicate ENRIch of face '//FACE(b%face)//" of patch '" &
-                //spec%name//"'", b%place)
+      call fail(error, DECK_ERROR, 'duplicate ENRIch of face '//deck_name(b%face, turned) &
+                //" of patch '"//spec%name//"'", b%place)
     else if ((a%face + 1)/2 == axis) then
       if (spec%nelem(axis) > 1) return
-      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face) &
+      call fail(error, DECK_ERROR, 'faces '//deck_name(a%face, turned)//' and ' &
+                //deck_name(b%face, turned) &
                 //' are both enriched but share their only layer of elements', b%place, &
                 'give at least 2 elements in direction '//to_text(axis))
     else if (a%degree /= b%degree .or. a%raise /= b%raise) then
-      call fail(error, DECK_ERROR, 'faces '//FACE(a%face)//' and '//FACE(b%face)//' share an ' &
-                //'edge but have orders '//to_text(a%degree)//' (RAISe '//to_text(a%raise) &
+      call fail(error, DECK_ERROR, 'faces '//deck_name(a%face, turned)//' and ' &
+                //deck_name(b%face, turned)//' share an edge but have orders ' &
+                //to_text(a%degree)//' (RAISe '//to_text(a%raise) &
                 //') and '//to_text(b%degree)//' (RAISe '//to_text(b%raise)//')', b%place, &
                 'their common edge is one curve: give both faces the same order and RAISe')
     end if
