@@ -72,6 +72,12 @@ contains
       end if
     end associate
     if (allocated(error)) return
+    if (command%option /= 'off' .and. moves(run)) then
+      call fail(error, DECK_ERROR, 'ARCLength cannot continue a motion of TRANsient', &
+                command%record%place(1), 'a motion is never in equilibrium: remove ARCLength, or ' &
+                //'write TRANsient,OFF before it')
+      return
+    end if
     if (run%program%dry) then
       if (abs(command%x(1)) > 0.0_wp .and. .not. given) call log_line( &
         "note: the number of FEAP's arc length method is ignored")
@@ -110,6 +116,23 @@ contains
       call new_dynamics(run%state%dynamics, run%model%mesh%nnode)
     end if
   end subroutine run_arcl
+
+  !> Does TRANsient act? When commands are only checked, this is known from those before the present
+  !! one, but not from those after it in a loop.
+  pure logical function moves(run)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    moves = run%state%dynamics%on .and. run%state%dynamics%density < 0.0_wp
+    if (.not. run%program%dry) return
+    do i = run%program%counter - 1, 1, -1
+      associate (record => run%program%command(i)%record)
+        if (record%key(1) /= 'tran') cycle
+        moves = all(record%key(2) /= ['off ', 'stat'])
+        return
+      end associate
+    end do
+  end function moves
 
   !> Switch dynamics on or off (FEAP). When it is switched on, the bodies start from rest, except in
   !! a motion that RESTart has read. Their masses follow from the densities of their materials.
