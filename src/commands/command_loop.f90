@@ -4,7 +4,7 @@ module command_loop
   use base_text, only: to_text
   use command_step, only: take_outcome, finish_step
   use command_type, only: run_t, command_t, command_row_t, loop_t, new_row
-  use program_position, only: is_only_time
+  use program_position, only: may_pass_targets
   use step, only: cut_step, STEP_REWOUND
   use step_control, only: on_target
   implicit none
@@ -62,7 +62,7 @@ contains
                control => run%step%control)
       top = size(program%loop)
       passes = 1
-      if (control%automatic .and. is_only_time(program, command%matching)) then
+      if (control%automatic .and. may_pass_targets(program, command%matching)) then
         passes = max(1, control%passed)
       end if
       program%loop(top)%count = program%loop(top)%count + passes

@@ -6,7 +6,7 @@ module program_position
   use deck_expression, only: params_t
   implicit none
   private
-  public :: save_position, rewind_program, leave_loop, targets_left, is_only_time, &
+  public :: save_position, rewind_program, leave_loop, targets_left, may_pass_targets, &
             is_last_pass, current_place
 
 contains
@@ -52,7 +52,7 @@ contains
 
   !> Number of time targets that remain in the innermost loop, including the target of the next
   !! TIME. It is 1 if the loop contains several TIMEs, so that no step passes the target of another
-  !! TIME.
+  !! TIME, and if its passes have data of their own, so that each pass has its step.
   pure integer function targets_left(program) result(left)
     type(program_t), intent(in) :: program
     integer :: top
@@ -61,12 +61,14 @@ contains
     top = size(program%loop)
     if (top == 0) return
     associate (loop => program%loop(top))
-      if (is_only_time(program, loop%at)) left = loop%limit - loop%count + 1
+      if (may_pass_targets(program, loop%at)) left = loop%limit - loop%count + 1
     end associate
   end function targets_left
 
-  !> Does the LOOP at a position contain exactly one TIME, which is outside its inner loops?
-  pure logical function is_only_time(program, at) result(yes)
+  !> May a step pass several targets of the LOOP at a position? The loop must contain exactly one
+  !! TIME, which is outside its inner loops, and no command with data, such as PROP, because each
+  !! pass takes its own.
+  pure logical function may_pass_targets(program, at) result(yes)
     type(program_t), intent(in) :: program
     integer, intent(in) :: at
     integer :: i
@@ -75,10 +77,12 @@ contains
       yes = command(at)%holds_time
       if (yes) yes = count([(command(i)%record%key(1) == 'time', &
                              i=at, command(at)%matching)]) == 1
+      if (yes) yes = .not. any([(associated(program%row(command(i)%row)%data), &
+                                 i=at, command(at)%matching)])
     end associate
-  end function is_only_time
+  end function may_pass_targets
 
-  !> Is the innermost loop in its last pass, and not a loop over time?
+  !> Is the innermost loop in its last pass, and does it not contain TIME?
   pure logical function is_last_pass(program) result(yes)
     type(program_t), intent(in) :: program
     integer :: top
