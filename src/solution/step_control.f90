@@ -48,7 +48,8 @@ contains
     control%size = dt
   end subroutine set_dt
 
-  !> Set the limits of AUTO,,dtmin,dtmax.
+  !> Set the limits of AUTO,,dtmin,dtmax. They hold from the next step on, which an earlier AUTO may
+  !! have let grow further.
   subroutine set_auto(control, dtmin, dtmax)
     type(step_control_t), intent(inout) :: control
     real(wp), intent(in) :: dtmin, dtmax
@@ -56,6 +57,7 @@ contains
     control%automatic = .true.
     control%dtmin = dtmin
     control%dtmax = dtmax
+    control%size = min(control%size, max(control%dt, dtmax))
   end subroutine set_auto
 
   !> Time at the end of the next step; `left` is the number of targets that remain in the loop,
