@@ -240,9 +240,10 @@ contains
       call add_inertia(model%mesh%block(b), asm%mass(b), state%dynamics, acc, driven, &
                        asm%map(b)%at, asm%k, asm%f_inert)
     end do
+    ! slaves have no equations, so their forces go to the masters: before supports are scaled, and
+    ! because the static forces that the next step may need are found without slaves
+    call fold_force(model%mesh%constraint, asm%f_inert)
     if (state%dynamics%method == HHT) then
-      ! slaves have no equations, so their forces go to the masters before supports are scaled
-      call fold_force(model%mesh%constraint, asm%f_inert)
       where (model%eq == 0) asm%f_inert = (1.0_wp + state%dynamics%alpha)*asm%f_inert
     end if
     asm%f_int = asm%f_int + asm%f_inert
