@@ -96,7 +96,10 @@ contains
     real(wp), intent(in) :: static(:, :)         !! (3, nnode) internal minus external force [F]
     real(wp), allocatable :: a(:, :)
 
-    if (.not. dt > 0.0_wp) return
+    if (.not. dt > 0.0_wp) then ! only the static forces have changed
+      if (dynamics%on) dynamics%static = static
+      return
+    end if
     if (.not. dynamics%on) then ! no inertia: only set the rates for a later dynamic step
       dynamics%v = du/dt
       dynamics%a = 0.0_wp

@@ -227,6 +227,7 @@ contains
     asm%f_inert = 0.0_wp
     if (.not. state%dynamics%on) return
     if (.not. allocated(asm%mass)) call find_masses(model, state%dynamics, asm%mass)
+    if (.not. state%dt > 0.0_wp) return ! a step without TIME is static
     associate (alpha => state%dynamics%alpha)
       if (state%dynamics%method == HHT) then
         where (model%eq > 0) asm%f_inert = -alpha/(1.0_wp + alpha)*state%dynamics%static
