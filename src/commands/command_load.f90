@@ -12,6 +12,7 @@ module command_load
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
   use solution_state, only: set_factors
+  use step, only: begin_again
   use table_use, only: warn_jump
   implicit none
   private
@@ -263,7 +264,11 @@ contains
       call move_alloc(longer, run%state%table)
     end if
     run%state%table(first:last) = command%data(command%visit)%table
-    call set_factors(run%state)
+    if (run%step%open) then
+      call begin_again(run%step, run%model, run%state)
+    else
+      call set_factors(run%state)
+    end if
   end subroutine run_prop
 
   !> Read records `name = expression` up to a blank one.

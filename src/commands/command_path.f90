@@ -9,9 +9,9 @@ module command_path
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC, &
                                BY_INERTIA
-  use dynamics_type, only: new_dynamics, set_rates, BACKWARD_EULER, NEWMARK, HHT
+  use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use mesh, only: is_rigid
-  use step, only: return_to_load
+  use step, only: begin_again, return_to_load
   implicit none
   private
   public :: path_rows
@@ -192,21 +192,9 @@ contains
       dynamics%beta = beta
       dynamics%gamma = gamma
       dynamics%alpha = alpha
-      if (run%step%open) call set_rates(dynamics, run%state%dt)
     end associate
+    call begin_again(run%step, run%model, run%state) ! with the coefficients of the new scheme
   end subroutine run_tran
-
-  !> Has RESTart read the rates of a motion, and has no step been closed since?
-  pure logical function continues_motion(run) result(yes)
-    type(run_t), intent(in) :: run
-    integer :: i
-
-    yes = allocated(run%files%kept) .and. allocated(run%state%dynamics%v)
-    if (yes) yes = run%files%kept == run%state%step
-    associate (list => run%program%command)
-      yes = yes .and. any([(list(i)%record%key(1) == 'rest', i=1, size(list))])
-    end associate
-  end function continues_motion
 
   !> Warn about parameters for which long steps are unstable.
   !!
@@ -307,6 +295,7 @@ contains
     if (allocated(error) .or. rewound) return
     run%state%dynamics%lumped = command%option == 'lump'
     if (allocated(run%step%newton%asm%mass)) deallocate (run%step%newton%asm%mass)
+    call begin_again(run%step, run%model, run%state)
   end subroutine run_mass
 
 end module command_path

@@ -76,20 +76,30 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
+    character(4), parameter :: FORMS(3) = ['tang', 'utan', 'form']
+    !> Commands that begin a step, or that change its loads, its inertia or its contact.
+    character(4), parameter :: CHANGES(6) = ['time', 'prop', 'tran', 'mass', 'arcl', 'augm']
+    character(:), allocatable :: before
     integer :: i
 
     call check_option(command, error)
     call check_fields(command, 0, 'SOLV,[LINE]', error)
     if (allocated(error)) return
+    before = ', and after TIME if there is one'
     do i = run%program%counter - 1, 1, -1
-      if (any(run%program%command(i)%record%key(1) == ['tang', 'utan', 'form', 'time'])) exit
+      if (any(run%program%command(i)%record%key(1) == [FORMS, CHANGES])) exit
     end do
     if (i > 0) then
-      if (run%program%command(i)%record%key(1) == 'time') i = 0
+      if (any(run%program%command(i)%record%key(1) == CHANGES)) then
+        if (run%program%command(i)%record%key(1) /= 'time') then
+          before = ', and after '//trim(run%program%row(run%program%command(i)%row)%word)
+        end if
+        i = 0
+      end if
     end if
     if (i == 0) then
       call fail(error, DECK_ERROR, 'SOLV has no system to solve', command%record%place(1), &
-                'put TANG, UTAN or FORM before SOLV, and after TIME if there is one')
+                'put TANG, UTAN or FORM before SOLV'//before)
     else if (.not. run%program%dry) then
       call iterate(run, command, .false., run%step%newton%symmetric, .true., error)
     end if

@@ -41,8 +41,8 @@ module step
   implicit none
   private
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
-  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, return_to_load, abandon_step, &
-            close_step
+  public :: change_dt, begin_step, form_pass, solve_pass, cut_step, begin_again, return_to_load, &
+            abandon_step, close_step
 
   !> A body counts as lost if its displacement in a step is larger than this, relative to the size
   !! of the model plus the largest prescribed displacement.
@@ -280,6 +280,28 @@ contains
     step%solved = .false.
   end subroutine rewind_step
 
+  !> Begin the current step again if nothing was solved in it: its loads or its inertia have
+  !! changed, and FORM or TANG may already have found its prescribed motion.
+  subroutine begin_again(step, model, state)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer :: left
+    real(wp) :: next
+
+    if (.not. step%open .or. step%solved) return
+    left = nint((step%loop_end - step%control%origin)/step%control%dt) - step%control%target
+    next = step%next_dt
+    call rewind_step(step, state)
+    step%retry = .true. ! it is the same attempt
+    if (step%timed) then
+      call begin_step(step, model, state, left)
+    else
+      call begin_step(step, model, state)
+    end if
+    step%next_dt = next
+  end subroutine begin_again
+
   !> Return to load control: end the control of the arc length or of the release of bonds, and the
   !! inertia of the continuation. A step that has begun, but in which nothing was solved, begins
   !! again.
@@ -287,21 +309,12 @@ contains
     type(step_t), intent(inout) :: step
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    integer :: left
-    real(wp) :: next
 
-    associate (path => step%continuation, control => step%control)
-      if (path%active == BY_INERTIA) state%dynamics%on = .false.
-      call end_trial(path)
-      if (.not. step%newton%constraint%on) return
-      step%newton%constraint = path_constraint_t()
-      if (.not. step%open) return
-      left = nint((step%loop_end - control%origin)/control%dt) - control%target
-      next = step%next_dt
-      call rewind_step(step, state)
-      call begin_step(step, model, state, left)
-      step%next_dt = next
-    end associate
+    if (step%continuation%active == BY_INERTIA) state%dynamics%on = .false.
+    call end_trial(step%continuation)
+    if (.not. step%newton%constraint%on) return
+    step%newton%constraint = path_constraint_t()
+    call begin_again(step, model, state)
   end subroutine return_to_load
 
   !> Forget the current step when a run is stopped, and undo what the step has set: a restarted run
