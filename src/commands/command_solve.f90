@@ -244,7 +244,7 @@ contains
                 //to_text(command%x(1)), command%record%place(3), 'write TOL,,1.e-16')
       return
     end if
-    run%step%newton%tolerance = command%x(1)
+    if (.not. run%program%dry) run%step%newton%tolerance = command%x(1)
     if (run%program%dry .and. command%x(1) > LOOSE) then
       call warn('TOL is '//to_text(command%x(1))//', a ratio of energies: steps may be accepted ' &
                 //'in which displacements are wrong by '//to_text(100*sqrt(command%x(1)), 2) &
