@@ -105,7 +105,7 @@ contains
   end subroutine run_augment
 
   !> Is there a solve between the command at the counter and the next step, either in the commands
-  !! that follow or in another pass of a loop that does not contain TIME?
+  !! that follow or, before TIME, in another pass of a loop?
   pure logical function is_followed(program) result(yes)
     type(program_t), intent(in) :: program
     character(4), parameter :: SOLVES(3) = ['tang', 'utan', 'solv']
@@ -116,10 +116,11 @@ contains
       associate (command => program%command(i))
         yes = any(command%record%key(1) == SOLVES)
         if (command%record%key(1) == 'next') then
-          associate (loop => program%command(command%matching))
-            if (loop%holds_time) return
-          end associate
-          yes = any([(any(program%command(j)%record%key(1) == SOLVES), j=command%matching, i)])
+          do j = command%matching, i
+            if (program%command(j)%record%key(1) == 'time') exit
+            yes = yes .or. any(program%command(j)%record%key(1) == SOLVES)
+          end do
+          if (j <= i) return
         end if
         if (yes .or. command%record%key(1) == 'time') return
       end associate

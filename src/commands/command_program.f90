@@ -192,6 +192,7 @@ contains
           depth = depth - 1
         case ('time')
           if (depth > 0) program%command(loop(depth))%holds_time = .true.
+          program%command(loop(:depth))%spans_time = .true.
         case ('tang', 'utan', 'solv')
           if (depth > 0) program%command(loop(depth))%solves = .true.
         case default

@@ -159,7 +159,7 @@ contains
 
     is_alone = size(program%loop) == 0
     if (is_alone) return
-    is_alone = program%command(program%loop(size(program%loop))%at)%holds_time
+    is_alone = program%command(program%loop(size(program%loop))%at)%spans_time
   end function is_alone
 
   !> Show an iteration: a line in the log, and on a terminal a line that the next one overwrites.

@@ -30,9 +30,11 @@ module command_type
   type :: command_t
     integer :: row = 0                          !! row in the table of commands
     type(record_t) :: record
+    logical :: begins_batch = .false.           !! first command of a further BATCh
     integer :: matching = 0                     !! LOOP: its NEXT; NEXT: its LOOP
     logical :: holds_time = .false.             !! LOOP: contains a TIME outside its inner loops
-    logical :: solves = .false.                 !! LOOP: likewise a command that solves
+    logical :: spans_time = .false.             !! LOOP: contains a TIME, also in inner loops
+    logical :: solves = .false.                 !! LOOP: a command that solves, outside inner loops
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
     type(data_t), allocatable :: data(:)        !! one per visit; later visits use the last

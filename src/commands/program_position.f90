@@ -38,14 +38,14 @@ contains
     end associate
   end subroutine rewind_program
 
-  !> Leave the innermost loop (as in FEAP) unless it is a loop over time.
+  !> Leave the innermost loop (as in FEAP) unless it contains TIME.
   subroutine leave_loop(program)
     type(program_t), intent(inout) :: program
     integer :: top
 
     top = size(program%loop)
     if (top == 0) return
-    if (program%command(program%loop(top)%at)%holds_time) return
+    if (program%command(program%loop(top)%at)%spans_time) return
     program%counter = program%command(program%loop(top)%at)%matching
     program%loop = program%loop(:top - 1)
   end subroutine leave_loop
@@ -90,7 +90,7 @@ contains
     top = size(program%loop)
     yes = top > 0
     if (yes) yes = program%loop(top)%count == program%loop(top)%limit &
-                   .and. .not. program%command(program%loop(top)%at)%holds_time
+                   .and. .not. program%command(program%loop(top)%at)%spans_time
   end function is_last_pass
 
   !> Place in the deck of the command at the counter, or of the last command if all have been
