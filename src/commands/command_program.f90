@@ -7,6 +7,7 @@ module command_program
   use base_kinds, only: wp
   use base_text, only: nearest
   use command_load, only: name_end_of_table
+  use command_step, only: finish_solved_step
   use command_table, only: load_commands
   use command_type, only: run_t, program_t, command_t, data_t
   use deck_expression, only: params_t
@@ -141,6 +142,7 @@ contains
       n = n + 1
       list(n)%row = i
       list(n)%record = record
+      list(n)%begins_batch = n == first .and. first > 1
       allocate (list(n)%data(0))
     end do
     run%program%command = list(:n)
@@ -239,16 +241,22 @@ contains
     end associate
   end subroutine run_dry
 
-  !> Execute the command at the counter: evaluate its fields, find its data and run it.
+  !> Execute the command at the counter: evaluate its fields, find its data and run it. Before the
+  !! first command of a further batch, the END of the batch before it closes the step.
   subroutine execute_next(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
     type(command_t) :: command
     type(data_t) :: data
     integer :: at, i
+    logical :: rewound
 
     at = run%program%counter
     command = run%program%command(at)
+    if (command%begins_batch) then
+      call finish_solved_step(run, rewound, error)
+      if (allocated(error) .or. rewound) return
+    end if
     associate (row => run%program%row(command%row))
       command%option = command%record%key(2)
       command%x = 0.0_wp
