@@ -11,6 +11,7 @@
 !! is prescribed, and the time at its end is unknown (constrained_newton).
 module continuation_type
   use base_kinds, only: wp
+  use constraint, only: fold_force
   use contact_release, only: bonded_area, find_release
   use model, only: model_t, state_t
   implicit none
@@ -286,6 +287,7 @@ contains
     if (allocated(constraint%direction)) then
       slope = constraint%direction
       measure = sum(slope*(state%u - state%u_step))
+      call fold_force(model%mesh%constraint, slope) ! slaves follow their masters
     else
       call find_release(model, state, state%u, measure, slope)
     end if
