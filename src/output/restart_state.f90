@@ -98,7 +98,8 @@ contains
     contact%moment_step = contact%moment
   end subroutine exchange_contact
 
-  !> Exchange velocities, accelerations and the method of integration in time, if there are any.
+  !> Exchange the type of mass, and velocities, accelerations and the method of integration in time
+  !! if there are any.
   subroutine exchange_dynamics(archive, group, dynamics, nnode, error)
     type(archive_t), intent(in) :: archive
     character(*), intent(in) :: group
@@ -110,11 +111,11 @@ contains
     stored = allocated(dynamics%v) ! only if the analysis has rates
     call enter_group(archive, group, error)
     call exchange(archive, group//'/stored', stored, error)
+    call exchange(archive, group//'/lumped', dynamics%lumped, error)
     if (stored) then
       if (.not. archive%writes) call new_dynamics(dynamics, nnode)
       call exchange(archive, group//'/on', dynamics%on, error)
       call exchange(archive, group//'/method', dynamics%method, error)
-      call exchange(archive, group//'/lumped', dynamics%lumped, error)
       call exchange(archive, group//'/beta', dynamics%beta, error)
       call exchange(archive, group//'/gamma', dynamics%gamma, error)
       call exchange(archive, group//'/alpha', dynamics%alpha, error)

@@ -388,6 +388,19 @@ class Stops(Folder):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual((self.at / "printed.out").read_text(), printed)
 
+    def test_lumped_masses_continue_before_there_is_a_motion(self):
+        deck = self.changed(
+            "lumped",
+            ("VOLUme 3", "VOLUme 3\n    DENSity 1"),
+            ("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 10 PROP 1"),
+            ("  PROP,,1\n", "  PROP,,1\n  MASS,LUMPed\n"),
+            ("NEXT,time\n", "NEXT,time\n  TRANsient,NEWMark\n"),
+        )
+        text = deck.read_text().replace("time,10", "time,4")
+        loop = text[text.index("  LOOP,time") : text.index("  TRANsient")]
+        deck.write_text(text.replace("  TRANsient,NEWMark\n", "  TRANsient,NEWMark\n" + loop))
+        self.stopped(deck, 15)
+
     def test_within_an_iteration_that_started_from_a_prediction(self):
         """The energy of the step is measured with the reactions at the start of the step."""
         self.stopped(TOP / "verification/soak/decks/friction.inp", 126)
