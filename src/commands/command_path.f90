@@ -179,7 +179,7 @@ contains
       call return_to_load(run%step, run%model, run%state)
     end if
     associate (dynamics => run%state%dynamics)
-      if (.not. (off .or. dynamics%on .or. continues_motion(run))) then
+      if (.not. (off .or. dynamics%on .or. dynamics%continues)) then
         call new_dynamics(dynamics, run%model%mesh%nnode)
       end if
       dynamics%on = .not. off

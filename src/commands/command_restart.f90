@@ -106,6 +106,7 @@ contains
       dynamics%gamma = deck%gamma
       dynamics%alpha = deck%alpha
       dynamics%density = deck%density
+      dynamics%continues = stops
     end associate
     associate (list => run%program%command)
       stops = stops .and. .not. any([(list(i)%record%key(1) == 'tran', i=1, size(list))])

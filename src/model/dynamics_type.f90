@@ -27,6 +27,8 @@ module dynamics_type
     real(wp) :: beta = 0.25_wp, gamma = 0.5_wp   !! parameters of Newmark's method
     real(wp) :: alpha = 0.0_wp                   !! parameter of the HHT method, -1 < alpha <= 0
     logical :: lumped = .false.
+    !> RESTart has read v and a of a motion, and no step has been accepted since.
+    logical :: continues = .false.
     !> Density of all bodies, which replaces the densities of their materials [M/L^3]; if it is
     !! negative, the densities of the materials are used.
     real(wp) :: density = -1.0_wp
@@ -96,6 +98,7 @@ contains
     real(wp), intent(in) :: static(:, :)         !! (3, nnode) internal minus external force [F]
     real(wp), allocatable :: a(:, :)
 
+    dynamics%continues = .false.
     if (.not. dt > 0.0_wp) then ! only the static forces have changed
       if (dynamics%on) dynamics%static = static
       return

@@ -116,6 +116,7 @@ contains
       if (.not. archive%writes) call new_dynamics(dynamics, nnode)
       call exchange(archive, group//'/on', dynamics%on, error)
       call exchange(archive, group//'/method', dynamics%method, error)
+      call exchange(archive, group//'/continues', dynamics%continues, error)
       call exchange(archive, group//'/beta', dynamics%beta, error)
       call exchange(archive, group//'/gamma', dynamics%gamma, error)
       call exchange(archive, group//'/alpha', dynamics%alpha, error)

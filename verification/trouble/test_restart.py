@@ -155,6 +155,25 @@ class Restart(Folder):
         for found, wanted in zip(end["next"], end["whole"], strict=True):
             self.assertAlmostEqual(found, wanted, 9)
 
+    def test_a_motion_after_static_steps_begins_from_rest_also_if_it_is_restarted(self):
+        """RESTart, static steps with a checkpoint, and then a motion: --restart from this checkpoint
+        repeats the motion, which begins from rest.
+        """
+        text = self.deck.replace("VOLUme 3", "VOLUme 3\n    DENSity 1")
+        text = text.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 10 PROP 1")
+        text = text.replace("time,10", "time,2").replace("1 1\n\nSTOP", "9 9\n\nSTOP")
+        (self.at / "box.inp").write_text(text)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        loop = text[text.index("  LOOP,time") : text.index("END\n2 1")]
+        text = text.replace("BATCh\n", "BATCh\n  RESTart,box.restart.h5\n  ARCLength,DYNAmic\n")
+        motion = "  TRANsient,NEWMark\n" + loop.replace("    SAVE\n", "")
+        (self.at / "next.inp").write_text(text.replace(loop, loop + motion))
+        self.assertEqual(self.run_bezel("next.inp").returncode, 0)
+        whole = (self.at / "next_force.dat").read_text()
+        done = self.run_bezel("--restart", "next.restart.h5", "next.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.at / "next_force.dat").read_text(), whole)
+
     def test_the_balance_goes_on_from_a_deck_without_one(self):
         """BOOK in the second deck includes the work of the steps before the checkpoint."""
         self.deck = self.deck.replace("ends = 1", "ends = 2")
