@@ -21,6 +21,7 @@ contains
 
     call warn_tables(run)
     call warn_late(run)
+    call warn_multipliers(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
                      'add TRANsient to compute with inertia, or remove MASS')
@@ -56,6 +57,60 @@ contains
       end associate
     end do
   end subroutine warn_scaled
+
+  !> Warn of steps without AUGMent after steps with it, because multipliers change only in AUGMent.
+  subroutine warn_multipliers(run)
+    type(run_t), intent(in) :: run
+    integer :: i, from, to
+
+    if (first(run, 'augm') == 0) return
+    associate (list => run%program%command)
+      do i = first(run, 'augm'), size(list)
+        if (list(i)%record%key(1) /= 'time') cycle
+        call find_step(run, i, from, to)
+        if (.not. has_any(run, from, to, ['tang', 'utan', 'solv'])) cycle
+        if (has_any(run, from, to, ['augm'])) cycle
+        call warn('the steps of this TIME have no AUGMent, but steps before them have: their ' &
+                  //'multipliers stay as they are, so that contact forces act across gaps ' &
+                  //'that open', list(i)%record%place(1), &
+                  'put AUGMent into these steps, too, as in LOOP,augment,n of the steps before')
+        return
+      end do
+    end associate
+  end subroutine warn_multipliers
+
+  !> The commands of the steps that the TIME at a position begins: those from it to the next TIME,
+  !! and in a loop the whole loop if it has no other TIME.
+  pure subroutine find_step(run, at, from, to)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: at
+    integer, intent(out) :: from, to
+    integer :: i
+
+    associate (list => run%program%command)
+      from = at
+      do to = at, size(list) - 1
+        if (list(to + 1)%record%key(1) == 'time') exit
+      end do
+      do i = at - 1, 1, -1
+        if (list(i)%record%key(1) /= 'loop' .or. list(i)%matching < at) cycle
+        if (list(i)%matching > to) return
+        from = i
+        to = list(i)%matching
+        return
+      end do
+    end associate
+  end subroutine find_step
+
+  !> Does the program contain one of the given commands between two positions?
+  pure logical function has_any(run, from, to, key)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: from, to
+    character(4), intent(in) :: key(:)
+    integer :: i
+
+    has_any = any([(any(key == run%program%command(i)%record%key(1)), i=from, to)])
+  end function has_any
 
   !> Warn about commands that prepare steps or solves if all of these come before them.
   subroutine warn_late(run)
