@@ -71,7 +71,8 @@ contains
                  run%step%newton%symmetric .or. .not. is_unsymmetric(run%model), .false., error)
   end subroutine run_form
 
-  !> Run SOLV: solve the system that the last TANG, UTAN or FORM formed.
+  !> Run SOLV: solve the system that the last TANG, UTAN or FORM formed. It is formed again if a
+  !! FACTor has come between, which discards the linear system.
   subroutine run_solve(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -80,6 +81,7 @@ contains
     !> Commands that begin a step, or that change its loads, its inertia or its contact.
     character(4), parameter :: CHANGES(6) = ['time', 'prop', 'tran', 'mass', 'arcl', 'augm']
     character(:), allocatable :: before
+    logical :: lost !! the system has been discarded
     integer :: i
 
     call check_option(command, error)
@@ -101,7 +103,8 @@ contains
       call fail(error, DECK_ERROR, 'SOLV has no system to solve', command%record%place(1), &
                 'put TANG, UTAN or FORM before SOLV'//before)
     else if (.not. run%program%dry) then
-      call iterate(run, command, .false., run%step%newton%symmetric, .true., error)
+      lost = .not. run%step%newton%ready
+      call iterate(run, command, lost, run%step%newton%symmetric, .true., error)
     end if
   end subroutine run_solve
 
