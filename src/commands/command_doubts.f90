@@ -12,6 +12,8 @@ module command_doubts
   private
   public :: warn_commands
 
+  character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']
+
 contains
 
   !> Warn about load tables without loads, about commands that come after all commands that they
@@ -22,6 +24,7 @@ contains
     call warn_tables(run)
     call warn_late(run)
     call warn_multipliers(run)
+    call warn_late_output(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
                      'add TRANsient to compute with inertia, or remove MASS')
@@ -115,7 +118,6 @@ contains
   !> Warn about commands that prepare steps or solves if all of these come before them.
   subroutine warn_late(run)
     type(run_t), intent(in) :: run
-    character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']
     integer :: i
 
     do i = 1, size(run%program%command)
@@ -132,17 +134,49 @@ contains
     end do
   end subroutine warn_late
 
-  subroutine warn_here(run, i, needed)
+  !> Warn if the first OUTPut comes after all steps: of several steps, only the last one is then
+  !! written, when it closes. The only step of a deck may come before it.
+  subroutine warn_late_output(run)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    i = first(run, 'outp')
+    if (i == 0) return
+    if (.not. is_late(run, i, [SOLVES, 'time']) .or. .not. has_steps(run, i)) return
+    call warn_here(run, i, 'TIME, TANG or UTAN', 'put it before the steps that it is to write; ' &
+                   //'PLOT writes the last step alone')
+  end subroutine warn_late_output
+
+  subroutine warn_here(run, i, needed, hint)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
     character(*), intent(in) :: needed
+    character(*), intent(in), optional :: hint
+    character(:), allocatable :: advice
 
+    advice = 'put it before the commands that it is to affect'
+    if (present(hint)) advice = hint
     associate (command => run%program%command(i))
       call warn(trim(run%program%row(command%row)%word)//' comes too late: no '//needed &
-                //' follows it', command%record%place(1), &
-                'put it before the commands that it is to affect')
+                //' follows it', command%record%place(1), advice)
     end associate
   end subroutine warn_here
+
+  !> Does TIME begin more than one step before command i, which no loop contains?
+  pure logical function has_steps(run, i)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    integer :: j, n
+
+    n = 0
+    associate (list => run%program%command)
+      do j = 1, i - 1
+        if (list(j)%record%key(1) == 'time') n = n + 1
+        if (list(j)%spans_time .and. list(j)%passes > 1) n = n + 2
+      end do
+    end associate
+    has_steps = n > 1
+  end function has_steps
 
   !> Do commands with the given names run, but only before command i? Those that are before it in a
   !! loop that contains it also run after it, in the next pass.

@@ -34,6 +34,7 @@ contains
                   'write LOOP,name,n')
         return
       end if
+      program%command(program%counter)%passes = nint(n)
       program%loop = [program%loop, loop_t(at=program%counter, count=1, limit=nint(n))]
     end associate
   end subroutine run_loop

@@ -35,6 +35,7 @@ module command_type
     logical :: holds_time = .false.             !! LOOP: contains a TIME outside its inner loops
     logical :: spans_time = .false.             !! LOOP: contains a TIME, also in inner loops
     logical :: solves = .false.                 !! LOOP: a command that solves, outside inner loops
+    integer :: passes = 0                       !! LOOP: number of passes at its last visit
     character(4) :: option = ''
     real(wp) :: x(4) = 0.0_wp                   !! numbers after the option, evaluated at each visit
     type(data_t), allocatable :: data(:)        !! one per visit; later visits use the last
