@@ -56,6 +56,10 @@ contains
           call fail(error, DECK_ERROR, 'expected a multiple of at least 1, found '//to_text(x), &
                     record%place(3), 'the multiple is the length of the ' &
                     //'longest step divided by that of the first; the default is 4')
+        else if (any(run%model%contact%cohesive%tau > 0.0_wp)) then
+          call fail(error, DECK_ERROR, 'ARCLength,LENGth cannot be used together with VISCous', &
+                    record%place(2), 'with LENGth the time may decrease, but the traction of ' &
+                    //'VISCous depends on rates: use ARCLength,DYNAmic, or remove VISCous')
         end if
       else if (command%option /= 'loca') then
         if (x < 0.0_wp .or. given .and. .not. x > 0.0_wp) then
