@@ -63,7 +63,7 @@ AREAS = (
     "src/solution/friction_limit.f90",
     "src/solution/stabilisation.f90",
     "src/solution/predictor.f90",
-    "src/solution/prescribed.f90",
+    "src/model/prescribed.f90",
 )
 TROUBLE = ("factors", "fields", "hints", "restart")  # tests of `make trouble` about results
 LATEST = 10  # ratio of CPU times from which on a test has failed
