@@ -21,7 +21,9 @@ module input_lists
     real(wp), allocatable :: weight(:)       !! (n) weight of a control point; 0: an ordinary node
     integer, allocatable :: code(:, :)       !! (3, n) BOUN
     real(wp), allocatable :: force(:, :)     !! (3, n) FORC [F]
-    logical, allocatable :: forced(:)        !! (n) named in a record of FORC, not generated
+    !> (n) bit k is set if a record of BOUN, DISP, FORC or FPRO (k = C_FIXED to C_TABLE) names the
+    !! node; nodes that generation finds between two records are not named.
+    integer, allocatable :: named(:)
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
     type(place_t) :: disp                    !! place of the first record of DISP
@@ -63,7 +65,7 @@ contains
     call grow(list%weight, n)
     call grow(list%code, 3, n)
     call grow(list%force, 3, n)
-    call grow(list%forced, n)
+    call grow(list%named, n)
     call grow(list%value, 3, n)
     call grow(list%table, 3, n)
     call grow(list%after, 4, n)

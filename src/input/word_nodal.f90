@@ -57,6 +57,7 @@ contains
         if (last > 0) where (code == 0 .and. codes(:, last) < 0) code = -1
         call warn_freed(draft, line, n, codes(:, n) /= 0 .and. code == 0)
         codes(:, n) = code
+        draft%nodes%named(n) = ibset(draft%nodes%named(n), C_FIXED)
         call note_order(draft, C_FIXED, n, any(code /= 0))
         if (last == 0) cycle
         if (.not. told) call warn_generation(line, last, n, last_step, codes(:, last), &
@@ -171,6 +172,7 @@ contains
       end do
       associate (table => draft%nodes%table)
         table(:, n) = abs(number)
+        draft%nodes%named(n) = ibset(draft%nodes%named(n), C_TABLE)
         call note_order(draft, C_TABLE, n, any(number /= 0))
         if (last == 0 .or. last_step == 0) cycle
         last_step = sign(last_step, n - last)
@@ -219,11 +221,10 @@ contains
       x = matmul(draft%turn, x)
       if (last == n) last_step = 0
       if (is_force) then
-        twice = draft%nodes%forced(n) .and. any(abs(draft%nodes%force(:, n)) > 0.0_wp)
-        draft%nodes%forced(n) = .true.
+        twice = any(abs(draft%nodes%force(:, n)) > 0.0_wp) .and. &
+                (btest(draft%nodes%named(n), C_FORCE) .or. is_lost(draft%nodes%force(:, n), x))
         draft%nodes%force(:, n) = x
-        call interpolate_between(draft%nodes%force, last, n, last_step, again, &
-                                 draft%nodes%forced)
+        call interpolate_between(draft%nodes%force, last, n, last_step, again)
         acts = any(abs(draft%nodes%force(:, [max(last, 1), n])) > 0.0_wp)
       else
         twice = is_lost(draft%nodes%value(:, n), x)
@@ -232,6 +233,7 @@ contains
         call interpolate_between(draft%nodes%value, last, n, last_step, again)
         acts = any(abs(draft%nodes%value(:, [max(last, 1), n])) > 0.0_wp)
       end if
+      draft%nodes%named(n) = ibset(draft%nodes%named(n), kind)
       call note_order(draft, kind, n, any(abs(x) > 0.0_wp))
       if (last > 0 .and. last_step /= 0) then
         do i = last + sign(last_step, n - last), n, sign(last_step, n - last)
@@ -322,11 +324,10 @@ contains
   end subroutine read_head
 
   !> Interpolate the columns between a and b linearly; do nothing if a or the increment is 0.
-  pure subroutine interpolate_between(x, a, b, increment, again, named)
+  pure subroutine interpolate_between(x, a, b, increment, again)
     real(wp), intent(inout) :: x(:, :) !! (3, >= max(a, b))
     integer, intent(in) :: a, b, increment
     integer, intent(out) :: again      !! the first column whose earlier value is lost; 0: none
-    logical, intent(in), optional :: named(:) !! (>= max(a, b)) only these columns count
     real(wp) :: dx(3), next(3)
     integer :: n, step
 
@@ -337,10 +338,7 @@ contains
     do n = a + step, b, step
       if (n == b) exit
       next = x(:, n - step) + dx
-      if (again == 0) then
-        if (is_lost(x(:, n), next)) again = n
-        if (again > 0 .and. present(named)) again = merge(n, 0, named(n))
-      end if
+      if (again == 0 .and. is_lost(x(:, n), next)) again = n
       x(:, n) = next
     end do
   end subroutine interpolate_between
