@@ -22,7 +22,8 @@ module input_conditions
   use word_position, only: R_EBOU, R_EDIS, R_EFOR, R_EPRO, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
-  public :: apply_conditions, warn_supports_kept, warn_added, warn_planes_inside, note_loose
+  public :: apply_conditions, warn_supports_kept, warn_added, warn_unused, warn_planes_inside, &
+            note_loose
 
   real(wp), parameter :: PLANE = 1.0e-3_wp  !! default distance from a plane within which nodes
   !! are selected (FEAP), relative to the extent of the mesh; for EBOUndary and EPROportional it is
@@ -528,6 +529,86 @@ contains
       end associate
     end do
   end subroutine warn_idle_numbers
+
+  !> Warn about restraints, displacements and load numbers that have no effect, because the nodes
+  !! that BOUN, DISP and FPRO name, or all nodes that a record by position finds, belong to no
+  !! element. TIE and constraints must have been applied. Forces are examined with all other loads.
+  subroutine warn_unused(draft, mesh, new)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: new(:) !! (nnode) the node that replaces each node after TIE
+    logical, allocatable :: active(:), on(:)
+    logical :: given(4), all_given(4) ! kinds of conditions, C_FIXED to C_TABLE
+    character(:), allocatable :: names
+    integer :: i, n, first, number
+
+    call mark_active(draft, mesh, active)
+    if (allocated(draft%nodes%named)) then
+      all_given = .false.
+      number = 0
+      do n = min(size(new), size(draft%nodes%named)), 1, -1
+        if (mesh%used(new(n))) cycle
+        given = named_conditions(draft, n)
+        all_given = all_given .or. given
+        if (.not. any(given)) cycle
+        number = number + 1
+        first = n
+      end do
+      names = ''
+      do i = 1, 4
+        if (.not. all_given(i)) cycle
+        if (len(names) > 0) names = names//' and '
+        names = names//trim(NODAL_WORDS(i))
+      end do
+      names = names//trim(merge(' gives', ' give ', count(all_given) == 1))
+      if (number > 0) then
+        call warn_of(names//' values to nodes that belong to no element, where they have no ' &
+                     //'effect', first, number)
+      end if
+    end if
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (all(r%word /= [R_EBOU, R_EDIS, R_CBOU, R_CDIS])) cycle
+        if (.not. any(abs(r%value) > 0.0_wp)) cycle
+        call mark(mesh, r, active, on)
+        on(pack(new, on)) = .true.
+        if (.not. any(on) .or. any(on .and. mesh%used)) cycle
+        call warn_of('this '//trim(WORDS(r%word))//' finds only nodes that belong to no element, ' &
+                     //'and has no effect', findloc(on, .true., 1), count(on), r%place)
+      end associate
+    end do
+
+  contains
+
+    subroutine warn_of(text, node, number, place)
+      character(*), intent(in) :: text
+      integer, intent(in) :: node, number !! first node; number of nodes
+      type(place_t), intent(in), optional :: place
+      character(:), allocatable :: hint
+
+      hint = 'compare their numbers and positions with those of the nodes of elements'
+      if (mesh%is_control(node)) hint = 'control points of an NPATch that only gives a PATCh its ' &
+                                        //'shape belong to no element: use FIX and MOVE with a ' &
+                                        //'face of the PATCh'
+      call warn(text//' (number of nodes: '//to_text(number)//', the first is node ' &
+                //to_text(node)//')', place, hint)
+    end subroutine warn_of
+
+  end subroutine warn_unused
+
+  !> Kinds of conditions that records of BOUN, DISP and FPRO which name node n give to it.
+  pure function named_conditions(draft, n) result(given)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: n
+    logical :: given(4)
+
+    given = .false.
+    associate (nodes => draft%nodes)
+      if (btest(nodes%named(n), C_FIXED)) given(C_FIXED) = any(nodes%code(:, n) /= 0)
+      if (btest(nodes%named(n), C_VALUE)) given(C_VALUE) = any(abs(nodes%value(:, n)) > 0.0_wp)
+      if (btest(nodes%named(n), C_TABLE)) given(C_TABLE) = any(nodes%table(:, n) /= 0)
+    end associate
+  end function named_conditions
 
   !> Mark the nodes that a record finds. In the search for nodes on a plane, FEAP's gap shrinks with
   !! the number of nodes for EBOU and EPRO, but not for the other words. At a point, CBOU and CDIS

@@ -6,7 +6,7 @@ module input_model
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
-  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, &
+  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, warn_unused, &
                               warn_planes_inside, note_loose
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
@@ -85,6 +85,7 @@ contains
         call release_slaves(draft, mesh, bc)
         call resolve_loads(draft, draft%model)
         call warn_added(draft, mesh, tied, bc)
+        call warn_unused(draft, mesh, tied)
         call note_loose(draft, mesh, bc)
         call find_unread(draft%tables, draft%model%unread)
         call resolve_curves(draft, draft%model)
