@@ -132,7 +132,7 @@ contains
           call say('PRESsure', bc%dead(i)%place, OWN//'PROP k')
         end if
       end do
-      if (any(bc%table > 0)) return ! FPRO or EPRO give all load numbers of nodes, even if 0
+      if (has_nodal_numbers(bc)) return ! FPRO or EPRO give all load numbers of nodes, even if 0
       if (any(abs(bc%force) > 0.0_wp)) then
         call say('a nodal force (FORCe, EFORce, CFORce or CSURface)', &
                  hint=OWN//'FPROportional or EPROportional')
@@ -160,8 +160,17 @@ contains
     type(boundary_t), intent(in) :: bc
 
     has_numbers = any(bc%motion%table > 0) .or. any(bc%pressure%table > 0) .or. &
-                  any(bc%dead%table > 0) .or. any(bc%table > 0)
+                  any(bc%dead%table > 0) .or. has_nodal_numbers(bc)
   end function has_numbers
+
+  !> Does any nodal force or displacement follow a table of its own? Other load numbers of nodes
+  !! have no effect.
+  pure logical function has_nodal_numbers(bc)
+    type(boundary_t), intent(in) :: bc
+
+    has_nodal_numbers = any(bc%table > 0 .and. (abs(bc%force) > 0.0_wp .or. &
+                                                (abs(bc%value) > 0.0_wp .and. bc%fixed /= 0)))
+  end function has_nodal_numbers
 
   pure logical function any_body_force(model)
     type(model_t), intent(in) :: model

@@ -11,9 +11,10 @@ module input_conditions
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp
   use base_log, only: warn
+  use base_sort, only: unique
   use base_text, only: to_text
-  use boundary, only: boundary_t, moved_dofs, note_load_number, LOOSE_FREE, LOOSE_MOVED, &
-                      LOOSE_ADDED
+  use boundary, only: boundary_t, moved_dofs, note_load_number, place_of_number, LOOSE_FREE, &
+                      LOOSE_MOVED, LOOSE_ADDED
   use input_draft, only: draft_t, condition_entry_t, C_FIXED, C_VALUE, C_FORCE, C_TABLE
   use input_plane, only: plane_t, warn_plane, warn_inside
   use input_surface, only: mark_surface, load_surface
@@ -96,6 +97,7 @@ contains
       end do
     end do
     call warn_idle_numbers(draft, mesh, active, new, bc)
+    call warn_idle_nodal_numbers(draft, new, bc)
     if (.not. allocated(bc%rival)) return
     where (.not. (bc%split .or. abs(bc%force - force) > 0.0_wp .or. &
                   abs(bc%value - value) > 0.0_wp)) bc%rival = -1 ! no load by position at the node
@@ -529,6 +531,37 @@ contains
       end associate
     end do
   end subroutine warn_idle_numbers
+
+  !> Warn about load numbers that FPRO gives only to nodes without a force and a displacement in
+  !! their direction. A number that acts at some node may have been generated at the others.
+  subroutine warn_idle_nodal_numbers(draft, new, bc)
+    type(draft_t), intent(in) :: draft
+    integer, intent(in) :: new(:)          !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    type(place_t) :: place
+    integer, allocatable :: number(:)
+    logical :: acts
+    integer :: d, i, n
+
+    if (.not. allocated(draft%nodes%table)) return
+    number = unique(pack(draft%nodes%table, draft%nodes%table > 0))
+    do i = 1, size(number)
+      acts = .false.
+      do n = 1, min(size(new), size(draft%nodes%table, 2))
+        do d = 1, 3
+          if (draft%nodes%table(d, n) /= number(i)) cycle
+          acts = acts .or. abs(bc%force(d, new(n))) > 0.0_wp .or. abs(bc%value(d, new(n))) > 0.0_wp
+        end do
+        if (acts) exit
+      end do
+      if (acts) cycle
+      call place_of_number(bc, number(i), place)
+      call warn('load number '//to_text(number(i))//' of FPROportional has no effect: no node ' &
+                //'with this number has a nodal force or displacement in its direction', place, &
+                'compare the node numbers with those of FORCe and DISPlacement; PRESsure and ' &
+                //'MOVE have their own PROP k')
+    end do
+  end subroutine warn_idle_nodal_numbers
 
   !> Warn about restraints, displacements and load numbers that have no effect, because the nodes
   !! that BOUN, DISP and FPRO name, or all nodes that a record by position finds, belong to no
