@@ -2,20 +2,24 @@
 module input_constraint
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_sort, only: find, unique
+  use base_sort, only: find
   use base_text, only: to_text, quoted
-  use boundary, only: boundary_t, motion_t, moved_dofs
+  use boundary, only: boundary_t, moved_dofs
   use constraint, only: constraint_t, add_constraint, follow, slave_marks
   use input_draft, only: draft_t
   use mesh, only: mesh_t
+  use model, only: model_t
+  use prescribed, only: prescribed_values
   implicit none
   private
   public :: close_constraints, release_slaves, named
 
   real(wp), parameter :: ON_PLACE = 1.0e-6_wp !! largest distance of a slave from the place that its
   !! masters give it, relative to its distance from the farthest master
-  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients or of a
-  !! prescribed value
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! tolerance of a sum of coefficients, or of a
+  !! component of a prescribed displacement relative to the largest such component
+  real(wp), parameter :: CANCELLED = 1.0e-13_wp !! tolerance of a component of a prescribed
+  !! displacement relative to the largest such displacement
 
 contains
 
@@ -133,27 +137,30 @@ contains
   end subroutine check_place
 
   !> Remove the supports of slaves, which follow their masters. Fail if a master of a restrained
-  !! slave is free in the same direction, or if the displacement that MOVE, DISPlacement and similar
-  !! words prescribe at the slave does not follow from those of its masters.
-  subroutine release_slaves(draft, mesh, bc)
+  !! slave is free in the same direction, or if the displacement that the deck prescribes at the
+  !! slave (DISP, MOVE and other words; zero with FIX alone) does not follow from those of its
+  !! masters at any load factors.
+  subroutine release_slaves(draft, model)
     type(draft_t), intent(inout) :: draft
-    type(mesh_t), intent(in) :: mesh
-    type(boundary_t), intent(inout) :: bc
+    type(model_t), intent(inout) :: model
     type(error_t), allocatable :: error
     logical, allocatable :: held(:, :)
-    real(wp), allocatable :: move(:, :, :) ! (3, nnode, ntable)
-    integer, allocatable :: turn(:) ! (nnode)
-    logical :: follows
+    real(wp), allocatable :: up(:, :) ! (3, nnode) prescribed displacements [L]
+    real(wp) :: u, largest, longest
     integer :: i, j, m, d
 
-    if (mesh%constraint%n == 0) return
-    held = bc%fixed /= 0 .or. moved_dofs(bc, mesh%nnode)
-    call find_moves(bc, mesh%nnode, move, turn)
-    do i = 1, mesh%constraint%n
-      associate (list => mesh%constraint, s => mesh%constraint%slave(i))
+    if (model%mesh%constraint%n == 0) return
+    held = model%bc%fixed /= 0 .or. moved_dofs(model%bc, model%mesh%nnode)
+    allocate (up(3, model%mesh%nnode))
+    call prescribed_values(model, unequal_factors(model%bc), up)
+    do i = 1, model%mesh%constraint%n
+      associate (mesh => model%mesh, list => model%mesh%constraint, &
+                 s => model%mesh%constraint%slave(i))
         directions: do d = 1, 3
           if (.not. held(d, s)) cycle directions
-          follows = .true.
+          u = 0.0_wp
+          largest = abs(up(d, s))
+          longest = norm2(up(:, s))
           do j = list%first(i), list%first(i + 1) - 1
             m = list%master(j)
             if (.not. held(d, m)) then
@@ -162,93 +169,40 @@ contains
                         'restrain all masters of this hanging node, which follows them')
               exit directions
             end if
-            follows = follows .and. turn(m) == turn(s)
+            u = u + list%c(j)*up(d, m)
+            largest = max(largest, abs(up(d, m)))
+            longest = max(longest, norm2(up(:, m)))
           end do
-          associate (from => list%first(i), to => list%first(i + 1) - 1)
-            do j = 1, size(move, 3)
-              follows = follows .and. is_mean(move(d, s, j), move(d, list%master(from:to), j), &
-                                              list%c(from:to))
-            end do
-          end associate
-          if (follows) cycle directions
+          if (abs(u - up(d, s)) <= ROUNDING*largest + CANCELLED*longest) cycle directions
           call fail(error, DECK_ERROR, 'the displacement prescribed at '//named(mesh, s) &
-                    //' does not follow from those of its masters', list%place(i), &
-                    'prescribe displacements at the masters only')
+                    //' does not follow from those of its masters in direction '//to_text(d), &
+                    list%place(i), 'a hanging node follows its masters: prescribe the ' &
+                    //'displacement at all of them')
           exit directions
         end do directions
         if (allocated(error)) then
           call draft%errors%add(error)
           deallocate (error)
         end if
-        bc%fixed(:, s) = 0
-        bc%value(:, s) = 0.0_wp
+        model%bc%fixed(:, s) = 0
+        model%bc%value(:, s) = 0.0_wp
       end associate
     end do
   end subroutine release_slaves
 
-  !> Find what moves each node: for each load table, the sum of its displacements and translations
-  !! at factor 1, and a number that is the same for nodes with the same rotations.
-  pure subroutine find_moves(bc, nnode, move, turn)
+  !> Unequal factors for the load tables that nodes and motions follow. A single table has the
+  !! factor of the sum of all tables.
+  pure function unequal_factors(bc) result(factor)
     type(boundary_t), intent(in) :: bc
-    integer, intent(in) :: nnode
-    real(wp), allocatable, intent(out) :: move(:, :, :) !! (3, nnode, ntable) [L]
-    integer, allocatable, intent(out) :: turn(:)        !! (nnode)
-    integer, allocatable :: table(:), before(:), rotation(:)
-    logical :: mark(nnode)
-    integer :: i, j, k, n
+    real(wp), allocatable :: factor(:)
+    integer, parameter :: MOST = 1000 !! tables with higher numbers have the factor 0
+    integer :: k, n
 
-    allocate (table, source=unique([0, bc%motion%table, pack(bc%table, bc%fixed /= 0 .and. &
-                                                             abs(bc%value) > 0.0_wp)]))
-    allocate (move(3, nnode, size(table)), source=0.0_wp)
-    allocate (turn(nnode), source=0)
-    allocate (before(0), rotation(0)) ! what each number stands for: a number and one more rotation
-    do k = 1, size(table)
-      where (bc%fixed /= 0 .and. bc%table == table(k)) move(:, :, k) = bc%value
-    end do
-    do i = 1, size(bc%motion)
-      associate (motion => bc%motion(i))
-        if (motion%rotates) then
-          mark = .false.
-          mark(motion%node) = .true.
-          j = findloc([(is_same(motion, bc%motion(k)), k=1, i)], .true., 1)
-          do n = 1, nnode
-            if (.not. mark(n)) cycle
-            k = findloc(before == turn(n) .and. rotation == j, .true., 1)
-            if (k == 0) then
-              before = [before, turn(n)]
-              rotation = [rotation, j]
-              k = size(before)
-            end if
-            turn(n) = k
-          end do
-        else
-          k = findloc(table, motion%table, 1)
-          do j = 1, size(motion%node)
-            where (motion%acts) move(:, motion%node(j), k) = move(:, motion%node(j), k) &
-                                                             + motion%vector
-          end do
-        end if
-      end associate
-    end do
-  end subroutine find_moves
-
-  !> Are two motions the same rotation, of any nodes?
-  pure logical function is_same(one, other)
-    type(motion_t), intent(in) :: one, other
-
-    is_same = one%rotates .and. other%rotates .and. one%table == other%table .and. .not. &
-              (any(abs(one%vector - other%vector) > 0.0_wp) .or. &
-               any(abs(one%axis - other%axis) > 0.0_wp) .or. abs(one%angle - other%angle) > 0.0_wp)
-  end function is_same
-
-  !> Is a displacement the mean of those of the masters?
-  pure logical function is_mean(slave, master, c)
-    real(wp), intent(in) :: slave
-    real(wp), intent(in) :: master(:)  !! (m)
-    real(wp), intent(in) :: c(:)       !! (m) weights
-
-    is_mean = abs(sum(c*master) - slave) <= ROUNDING*max(abs(slave), maxval(abs(master)))
-  end function is_mean
+    n = 0
+    if (size(bc%table) > 0) n = max(n, maxval(bc%table))
+    if (size(bc%motion) > 0) n = max(n, maxval(bc%motion%table))
+    factor = [(1.0_wp + 0.5_wp*sin(real(k, wp)), k=1, min(n, MOST))]
+  end function unequal_factors
 
   !> Name of a node as the user knows it: its number in the file of its MESH, or in the deck.
   function named(mesh, n) result(name)

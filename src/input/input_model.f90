@@ -82,7 +82,7 @@ contains
         call count_motions_once(draft, mesh%nnode, bc)
         call report_moved_supports(draft, mesh%xr, bc)
         call warn_planes_inside(draft, mesh, tied, bc)
-        call release_slaves(draft, mesh, bc)
+        call release_slaves(draft, draft%model)
         call resolve_loads(draft, draft%model)
         call warn_added(draft, mesh, tied, bc)
         call warn_unused(draft, mesh, tied)
