@@ -151,8 +151,7 @@ contains
         end if
         where (takes) bc%table(:, m) = bc%table(:, n)
         acts(:, m) = acts(:, m) .or. acts(:, n)
-        where ((bc%fixed(:, m) == 0 .and. bc%fixed(:, n) /= 0) .or. &
-               .not. abs(bc%value(:, m)) > 0.0_wp) bc%value(:, m) = bc%value(:, n)
+        where (.not. abs(bc%value(:, m)) > 0.0_wp) bc%value(:, m) = bc%value(:, n)
         bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
         bc%force(:, m) = bc%force(:, m) + bc%force(:, n)
         bc%force(:, n) = 0.0_wp
