@@ -9,6 +9,7 @@ module input_tie
   use base_log, only: log_line, warn
   use base_sort, only: sort_index, unique
   use base_text, only: to_text
+  use constraint, only: join_constraints
   use input_draft, only: draft_t, tie_entry_t
   use mesh, only: mesh_t, is_rigid
   implicit none
@@ -106,13 +107,7 @@ contains
         mesh%used(mesh%block(b)%conn(:, i)) = .true.
       end do
     end do
-    associate (list => mesh%constraint)
-      if (list%n > 0) then
-        n = list%first(list%n + 1) - 1
-        list%slave(:list%n) = new(list%slave(:list%n))
-        list%master(:n) = new(list%master(:n))
-      end if
-    end associate
+    call join_constraints(mesh%constraint, new)
     do b = 1, size(mesh%body)
       associate (body => mesh%body(b)) ! keep each node once, with the faces of all nodes tied to it
         if (allocated(body%group)) then

@@ -7,7 +7,9 @@ module constraint
   use base_kinds, only: wp
   implicit none
   private
-  public :: constraint_t, add_constraint, follow, fold_force, slave_marks
+  public :: constraint_t, add_constraint, join_constraints, follow, fold_force, slave_marks
+
+  real(wp), parameter :: ROUNDING = 1.0e-9_wp !! coefficients that differ by no more are equal
 
   !> All constraints of a mesh. The masters of constraint i are master(first(i):first(i+1)-1). Once
   !! the mesh is complete, no master is itself a slave, and the coefficients of each slave sum to
@@ -47,6 +49,52 @@ contains
     list%first(list%n + 1) = last + 1
     list%place(list%n) = place
   end subroutine add_constraint
+
+  !> Replace nodes by those that TIE joins them to. Of equal constraints whose slaves become one
+  !! node, the first is kept, as on the common face of two meshes with the same hanging nodes.
+  subroutine join_constraints(list, new)
+    type(constraint_t), intent(inout) :: list
+    integer, intent(in) :: new(:) !! (nnode)
+    type(constraint_t) :: joined
+    integer :: first(size(new)) ! first constraint of each slave; 0: none
+    integer :: i, j
+
+    if (list%n == 0) return
+    first = 0
+    do i = 1, list%n
+      associate (s => list%slave(i), &
+                 master => list%master(list%first(i):list%first(i + 1) - 1), &
+                 c => list%c(list%first(i):list%first(i + 1) - 1))
+        j = first(new(s))
+        if (j > 0) then
+          if (list%slave(j) /= s .and. are_equal(list, new, i, j)) cycle
+        else
+          first(new(s)) = i
+        end if
+        call add_constraint(joined, new(s), new(master), c, list%place(i))
+      end associate
+    end do
+    list = joined
+  end subroutine join_constraints
+
+  !> Do two constraints have the same masters and coefficients after TIE?
+  pure logical function are_equal(list, new, i, j) result(equal)
+    type(constraint_t), intent(in) :: list
+    integer, intent(in) :: new(:) !! (nnode)
+    integer, intent(in) :: i, j
+    integer :: k, m
+
+    equal = .false.
+    associate (a => list%first(i), b => list%first(i + 1) - 1, &
+               c => list%first(j), d => list%first(j + 1) - 1)
+      do k = 1, b - a + d - c + 2
+        m = new(list%master(merge(a + k - 1, c + k - (b - a + 2), k <= b - a + 1)))
+        if (abs(sum(list%c(a:b), new(list%master(a:b)) == m) &
+                - sum(list%c(c:d), new(list%master(c:d)) == m)) > ROUNDING) return
+      end do
+    end associate
+    equal = .true.
+  end function are_equal
 
   !> Compute displacements or positions of the slaves from those of their masters.
   pure subroutine follow(list, u)
