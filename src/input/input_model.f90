@@ -49,6 +49,7 @@ contains
     type(draft_t) :: draft
     integer, allocatable :: tied(:) ! (nnode) the node that replaces each node after TIE
     logical, allocatable :: told(:, :) ! (nbody, nbody) pairs of bodies that were warned about
+    logical, allocatable :: restrained(:, :) ! (3, nnode) by BOUN, EBOU and CBOU
 
     call load_mesh_words(draft%row)
     allocate (draft%model)
@@ -76,11 +77,12 @@ contains
         call follow_ties(draft, tied)
         call close_constraints(draft, mesh)
         if (draft%errors%count() > 0) exit stages
+        restrained = bc%fixed /= 0 ! without FIX
         call resolve_supports(draft, draft%model)
         call warn_supports_kept(draft, mesh)
         call hold_rigid(draft, draft%model)
         call count_motions_once(draft, mesh%nnode, bc)
-        call report_moved_supports(draft, mesh%xr, bc)
+        call report_moved_supports(draft, mesh%xr, restrained, bc)
         call warn_planes_inside(draft, mesh, tied, bc)
         call release_slaves(draft, draft%model)
         call resolve_loads(draft, draft%model)

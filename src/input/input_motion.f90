@@ -143,10 +143,12 @@ contains
   end function lacks
 
   !> Warn about each FIX whose restraints have no effect at some nodes, because MOVE moves them. If
-  !! a MOVE and a FIX name exactly the same nodes, a note replaces the warning.
-  subroutine report_moved_supports(draft, xr, bc)
+  !! a MOVE and a FIX name exactly the same nodes, a note replaces the warning. Also warn about each
+  !! MOVE that moves nodes of which BOUN, EBOU and CBOU restrain only some.
+  subroutine report_moved_supports(draft, xr, restrained, bc)
     type(draft_t), intent(in) :: draft
     real(wp), intent(in) :: xr(:, :) !! (3, nnode) [L]
+    logical, intent(in) :: restrained(:, :) !! (3, nnode) by BOUN, EBOU and CBOU
     type(boundary_t), intent(in) :: bc
     logical, allocatable :: on(:)
     character(:), allocatable :: hint, text
@@ -182,7 +184,31 @@ contains
         on(support%node) = .false.
       end associate
     end do
+    do m = 1, size(bc%motion)
+      call warn_restrained(bc%motion(m), xr, restrained)
+    end do
   end subroutine report_moved_supports
+
+  !> Warn if BOUN, EBOU and CBOU restrain some of the nodes that a motion moves in one direction. If
+  !! they restrain all of them, MOVE gives these supports their motion.
+  subroutine warn_restrained(motion, xr, restrained)
+    type(motion_t), intent(in) :: motion
+    real(wp), intent(in) :: xr(:, :) !! (3, nnode) [L]
+    logical, intent(in) :: restrained(:, :) !! (3, nnode)
+    logical, allocatable :: moved(:)
+    integer :: d, j, n
+
+    do d = 1, 3
+      moved = [(moves(motion, xr(:, motion%node(j)), d), j=1, size(motion%node))]
+      n = count(moved .and. restrained(d, motion%node))
+      if (n == 0 .or. n == count(moved)) cycle
+      call warn('this MOVE prescribes displacements in direction '//to_text(d)//' at nodes that ' &
+                //'BOUNdary, EBOUndary or CBOUndary restrains (number: '//to_text(n)//' of ' &
+                //to_text(count(moved))//'): MOVE takes precedence there', motion%place, &
+                'leave the direction free, in MOVE with * or in the other record with 0')
+      return
+    end do
+  end subroutine warn_restrained
 
   !> Does a motion move a node in direction d?
   pure logical function moves(motion, x, d)
