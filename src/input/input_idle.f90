@@ -92,6 +92,11 @@ contains
 
     allocate (held(3, mesh%nnode), acts(3, mesh%nnode))
     held = bc%fixed /= 0 .or. moved_dofs(bc, mesh%nnode)
+    associate (list => mesh%constraint)
+      do j = 1, list%n ! a slave follows its masters
+        held(:, list%slave(j)) = all(held(:, list%master(list%first(j):list%first(j + 1) - 1)), 2)
+      end do
+    end associate
     acts = abs(bc%force) > 0.0_wp
     n = count(any(acts, 1) .and. .not. mesh%used)
     if (n > 0) then
