@@ -219,8 +219,9 @@ contains
         call warn_rigid(mesh, r%at, findloc(on, .true., 1), r%place)
         near = active
         call equally_near(mesh, r%at, near)
-        if (.not. r%gap >= 0.0_wp) call warn_between(mesh, near, any(r%word == [R_CBOU, R_CDIS]), &
-                                                     r%place)
+        if (.not. (takes_all_near(r%word) .and. r%gap >= 0.0_wp)) then
+          call warn_between(mesh, near, takes_all_near(r%word), r%place)
+        end if
       else
         plane%direction = r%direction
         plane%gap = plane_gap(mesh, r, active)
@@ -283,6 +284,14 @@ contains
                                      //'of its nodes', r%place, 'remove unwanted restraints of ' &
                                      //'these nodes from the other records')
   end subroutine apply
+
+  !> Does a word act on all nodes that are equally near to a point, or within GAP of the nearest
+  !! one? The other words act on one node.
+  pure logical function takes_all_near(word) result(all_near)
+    integer, intent(in) :: word
+
+    all_near = any(word == [R_CBOU, R_CDIS])
+  end function takes_all_near
 
   !> Kind of condition that the records of a word set, C_FIXED to C_TABLE.
   pure integer function kind_of(word) result(kind)
@@ -672,7 +681,7 @@ contains
       d(i) = norm2(mesh%xr(:, i) - r%at)
     end do
     least = minval(d, active)
-    if (r%word /= R_CBOU .and. r%word /= R_CDIS) then
+    if (.not. takes_all_near(r%word)) then
       on(minloc(d, 1, active)) = .true.
     else if (r%gap >= 0.0_wp) then
       on = active .and. d <= least + r%gap

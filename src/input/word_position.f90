@@ -218,7 +218,11 @@ contains
       case ('gap')
         call read_gap(deck, line, r%gap, error)
         gap = line%place(1)
-        idle = .true.
+        idle = r%word /= R_CFOR
+        if (.not. (idle .or. allocated(error))) then
+          call warn('GAP has no effect in CFORce, whose force acts on the one node nearest to ' &
+                    //'its point', gap, 'give each node a record NODE, or use EFORce or CSURface')
+        end if
       case ('node')
         idle = .false.
         call check_count(line, 5, 7, 'NODE x y z '//value_names(r%word), error)
