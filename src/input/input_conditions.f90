@@ -273,7 +273,7 @@ contains
         end if
       case (R_EDIS, R_CDIS)
         bc%value(:, n) = r%value + merge(bc%value(:, n), 0.0_wp, r%adds)
-      case (R_EFOR, R_CFOR, R_CSUR)
+      case (R_EFOR, R_CFOR)
         bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
       case default
         bc%table(:, n) = abs(nint(r%value))

@@ -28,8 +28,7 @@ module word_position
     PLANE_RECORDS(1) = ['GAP         '], &
     POINT_RECORDS(3) = ['NODE        ', 'GAP         ', 'CARTesian   '], &
     CBOU_RECORDS(4) = ['NODE        ', 'SURFace     ', 'GAP         ', 'CARTesian   '], &
-    CSUR_RECORDS(5) = ['NODE        ', 'SURFace     ', 'GAP         ', 'CARTesian   ', &
-                       'NORMal      ']
+    CSUR_RECORDS(4) = ['SURFace     ', 'GAP         ', 'CARTesian   ', 'NORMal      ']
 
 contains
 
@@ -274,7 +273,7 @@ contains
       call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
       if (.not. more) exit
-      has_line = word_index(CSUR_RECORDS, line%key(1)) > 0
+      has_line = word_index([CBOU_RECORDS, CSUR_RECORDS], line%key(1)) > 0
       if (has_line) exit
       call get_integer(deck, line, 1, i, error)
       if (allocated(error)) return
