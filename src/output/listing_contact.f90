@@ -55,8 +55,9 @@ contains
         if (cohesive%law%option /= '') text = text//' '//trim(cohesive%law%option)
         if (cohesive%tau > 0.0_wp) text = text//', viscous with time '//to_text(cohesive%tau)
         text = text//', released at opening '//to_text(contact%released(1))
-        if (abs(contact%released(2) - contact%released(1)) > 0.0_wp) text = text//' (normal) or ' &
-                                                   //to_text(contact%released(2))//' (shear)'
+        if (abs(contact%released(2) - contact%released(1)) > 0.0_wp) then
+          text = text//' (normal) or '//to_text(contact%released(2))//' (shear)'
+        end if
         call log_line('          '//text)
         call log_line('          '//trim(cohesive%law%source))
       end associate

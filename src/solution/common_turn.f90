@@ -65,7 +65,9 @@ contains
     integer :: n
 
     is_held = model%mesh%used .and. all(model%eq == 0, 1)
-    is_held(model%mesh%constraint%slave(:model%mesh%constraint%n)) = .false.
+    associate (list => model%mesh%constraint)
+      if (list%n > 0) is_held(list%slave(:list%n)) = .false.
+    end associate
     held = pack([(n, n=1, size(is_held))], is_held)
   end subroutine find_supports
 
