@@ -72,7 +72,8 @@ class Threads(Folder):
             self.compare(RESTART / f"{name}.inp")
 
     def test_an_inverted_element_is_the_same_and_so_is_the_cut_step(self):
-        for kind in ("Q1E9", "Q2"):
+        # compressed further, Q1E9 has several solutions, and rounding decides which one is found
+        for kind, cut in {"Q1E9": "-0.55", "Q2": "-0.6"}.items():
             stem = kind.lower()
             changes = {
                 "kind": ("TYPE Q1\n", f"TYPE {kind}\n"),
@@ -82,7 +83,7 @@ class Threads(Folder):
             deck = self.cube(f"{stem}_fails", **changes)
             failed = self.compare(deck, "--set", "n=3", "--set", "steps=1", code=2)
             self.assertIn("is inverted", failed["error"][0])
-            changes["far"] = ("-0.25", "-0.6")
+            changes["far"] = ("-0.25", cut)
             changes["auto"] = ("DT,,1.0", "DT,,1.0\n  AUTO,,1e-3,1")
             found = self.compare(self.cube(stem, **changes), "--set", "n=3", "--set", "steps=1")
             self.assertGreater(found["report"]["cutbacks"], 0)
