@@ -1,5 +1,5 @@
-!> Start of a step in which all supports turn together: the bodies turn with them as if they were
-!! rigid, before the first forces of the step are formed.
+!> Start of a step in which the supports of all bodies turn together: the bodies turn with them as
+!! if they were rigid, before the first forces of the step are formed.
 !!
 !! The first increment of Newton's iteration is linear in the prescribed motion. In a rotation by
 !! tens of degrees it distorts bodies so much that contacts and elements may leave the range in
@@ -9,8 +9,10 @@
 !! the measures of strain, slip and opening refer to the end of the previous step.
 module common_turn
   use base_kinds, only: wp
+  use mesh, only: mesh_t, is_rigid
   use model, only: model_t, state_t
   use prescribed, only: to_prescribed
+  use rigid_modes, only: find_pieces
   use screw_motion, only: screw_t, fit_screw, continue_screw
   implicit none
   private
@@ -19,7 +21,8 @@ module common_turn
   !> The smallest angle [rad] worth a rigid start: linear increments of smaller rotations hardly
   !! strain the bodies.
   real(wp), parameter :: LEAST_ANGLE = 0.01_wp
-  !> Largest part of the prescribed motion that may remain after the rigid one.
+  !> Largest displacement of the supports of a body that may remain after the rigid motion, relative
+  !! to their largest displacement in it. It is 1 for a body that stands still.
   real(wp), parameter :: LEAST_COMMON = 0.25_wp
   !> Supports lie on a line, and leave the rotation about it open, if the second invariant of their
   !! moments is smaller than this, relative to the square of the first.
@@ -36,8 +39,9 @@ contains
     logical, intent(out) :: turned
     real(wp) :: x(3, size(move, 2)), u(3, size(move, 2)), rest(3, size(move, 2))
     type(screw_t) :: screw
-    integer, allocatable :: held(:)
-    integer :: n
+    integer, allocatable :: held(:), body(:)
+    real(wp), allocatable :: rigid(:), left(:) ! (nbody) largest squares of displacements [L^2]
+    integer :: b, n
 
     turned = .false.
     call find_supports(model, held)
@@ -50,12 +54,38 @@ contains
       if (model%mesh%used(n)) u(:, n) = u(:, n) + continue_screw(screw, 1.0_wp, x(:, n)) - x(:, n)
     end do
     call to_prescribed(model, state%factor, u, rest)
-    if (maxval(sum(rest**2, 1)) > LEAST_COMMON**2*maxval(sum(move**2, 1))) return
+    call find_bodies(model%mesh, body)
+    allocate (rigid(maxval(body)), left(maxval(body)), source=0.0_wp)
+    do n = 1, size(x, 2)
+      b = body(n)
+      if (b == 0 .or. all(model%eq(:, n) /= 0)) cycle
+      rigid(b) = max(rigid(b), sum((u(:, n) - state%u(:, n))**2))
+      left(b) = max(left(b), sum(rest(:, n)**2))
+    end do
+    if (any(left > LEAST_COMMON**2*rigid)) return
     state%u = u
     state%u_base = u
     move = rest
     turned = .true.
   end subroutine turn_together
+
+  !> Number the bodies, rigid ones included; nodes of no element have the number 0.
+  subroutine find_bodies(mesh, body)
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(out) :: body(:) !! (nnode)
+    integer :: b, e, npiece
+
+    call find_pieces(mesh, body)
+    npiece = maxval(body)
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        associate (node => mesh%block(b)%conn(:, e))
+          where (body(node) == 0) body(node) = npiece + mesh%block(b)%body
+        end associate
+      end do
+    end do
+  end subroutine find_bodies
 
   !> The nodes whose three displacements are prescribed. Slaves of constraints are not supports.
   pure subroutine find_supports(model, held)
