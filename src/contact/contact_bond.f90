@@ -268,7 +268,7 @@ contains
   pure logical function breaks(contact, before, after)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: before(2), after(2) !! largest openings [L]
-    real(wp) :: left, peak, way
+    real(wp) :: left, peak, way, start
     integer :: i
 
     breaks = .false.
@@ -277,11 +277,13 @@ contains
     left = traction_at_opening(contact, after)
     if (left > ALMOST_NOTHING*contact%strength) return
     way = min(1.0_wp, 2/way) ! openings cannot decrease, so the bond is released at 2 at the latest
-    peak = 0.0_wp
-    do i = 1, SAMPLES
+    start = traction_at_opening(contact, before)
+    peak = traction_at_opening(contact, before + way/SAMPLES*(after - before))
+    if (.not. peak > start) return ! the bond was beyond its peak, like most bonds in most steps
+    do i = 2, SAMPLES
       peak = max(peak, traction_at_opening(contact, before + way*i/SAMPLES*(after - before)))
     end do
-    breaks = peak > traction_at_opening(contact, before) .and. left <= ALMOST_NOTHING*peak
+    breaks = peak > start .and. left <= ALMOST_NOTHING*peak
   end function breaks
 
   !> Does the current step, which is not accepted yet, open or close bonds so far that VISCous would
