@@ -290,11 +290,11 @@ contains
     real(wp) :: next
 
     if (.not. step%open .or. step%solved) return
-    left = nint((step%loop_end - step%control%origin)/step%control%dt) - step%control%target
     next = step%next_dt
     call rewind_step(step, state)
     step%retry = .true. ! it is the same attempt
     if (step%timed) then
+      left = nint((step%loop_end - step%control%origin)/step%control%dt) - step%control%target
       call begin_step(step, model, state, left)
     else
       call begin_step(step, model, state)
