@@ -72,7 +72,8 @@ contains
         return
       end if
       program%loop = program%loop(:top - 1)
-      if (.not. (control%automatic .and. opening%solves)) return
+      ! The last pass of a loop over time ends as the others do: the step is tested when it is closed.
+      if (.not. (control%automatic .and. opening%solves) .or. opening%holds_time) return
     end associate
     if (.not. run%step%solved .or. run%step%newton%converged) return
     call cut_step(run%step, run%model, run%state, 'no convergence after ' &
