@@ -63,9 +63,9 @@ contains
     if (r%word == R_CBOU) call mark_faces(mesh, r, on)
   end subroutine mark_surface
 
-  !> Mark all nodes of those outer faces of elements that have their corners on the surface. On a
-  !! curved surface the control points of a face lie off it, and so do the middle nodes of faces
-  !! with straight edges.
+  !> Mark all nodes of those outer faces of elements that have their corners on the surface and lie
+  !! along it. On a curved surface the control points of a face lie off it, and so do the middle
+  !! nodes of faces with straight edges.
   subroutine mark_faces(mesh, r, on)
     type(mesh_t), intent(in) :: mesh
     type(condition_entry_t), intent(in) :: r
@@ -90,6 +90,7 @@ contains
         do f = 1, 6
           if (.not. outer(b)%face(f, e)) cycle
           if (.not. has_corners_on(mesh, mesh%block(b), e, f, cell, r)) cycle
+          if (.not. lies_along(mesh, mesh%block(b), e, f, cell, r)) cycle
           associate (node => topology%node(topology%first(f):topology%first(f + 1) - 1))
             on(mesh%block(b)%conn(node, e)) = .true.
           end associate
@@ -107,19 +108,69 @@ contains
     type(condition_entry_t), intent(in) :: r
     real(wp) :: corner(3, 4), low(3), high(3), gap, xi(2), normal(3), shp(block%nen), &
                 dshp(3, block%nen)
-    integer :: a, b, i, k
+    integer :: i
 
     call search_box(r, mesh%nnode, low, high, gap)
-    call face_directions(f, k, a, b)
-    corner(k, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
-    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
-    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
+    corner = face_corners(f)
     do i = 1, 4
       call block%row%functions(cell, corner(:, i), shp, dshp)
       call project(r%surface, matmul(mesh%xr(:, block%conn(:, e)), shp), gap, xi, normal, lie)
       if (.not. lie) return
     end do
   end function has_corners_on
+
+  !> Does face f of element e, whose corners lie on the surface, have the direction of the surface
+  !! at its centre, and is it not farther from the surface, except by the gap, than the flat face
+  !! with these corners? Both ends of an arch of one element can stand on a surface that its other
+  !! faces leave.
+  logical function lies_along(mesh, block, e, f, cell, r) result(along)
+    type(mesh_t), intent(in) :: mesh
+    type(block_t), intent(in) :: block
+    integer, intent(in) :: e, f
+    type(cell_t), intent(in) :: cell
+    type(condition_entry_t), intent(in) :: r
+    real(wp) :: corner(3, 4), centre(3), at(3), x(3, block%nen), flat(3, 4), shp(block%nen), &
+                dshp(3, block%nen), share(4), low(3), high(3), gap, area(3), t1(3), t2(3), &
+                normal(3), eta(2)
+    logical :: lies
+    integer :: i, j
+
+    call search_box(r, mesh%nnode, low, high, gap)
+    x = mesh%xr(:, block%conn(:, e))
+    corner = face_corners(f)
+    do i = 1, 4
+      call block%row%functions(cell, corner(:, i), shp, dshp)
+      flat(:, i) = matmul(x, shp)
+    end do
+    centre = 0.25_wp*sum(corner, 2)
+    call block%row%functions(cell, centre, shp, dshp)
+    call face_normal(f, x, dshp, area, t1, t2)
+    call project(r%surface, matmul(x, shp), huge(1.0_wp), eta, normal, lies)
+    along = abs(dot_product(area, normal)) > ALIGNED*norm2(area)*norm2(normal)
+    do i = 0, 4
+      if (.not. along) return
+      at = centre
+      if (i > 0) at = 0.5_wp*(centre + corner(:, i)) ! halfway to a corner
+      do j = 1, 4
+        share(j) = 0.125_wp*product(1.0_wp + at*corner(:, j))
+      end do
+      call block%row%functions(cell, at, shp, dshp)
+      along = distance(r%surface, matmul(x, shp)) &
+              < gap + distance(r%surface, matmul(flat, share))
+    end do
+  end function lies_along
+
+  !> Parent coordinates of the corners of a face of a hexahedron.
+  pure function face_corners(f) result(corner)
+    integer, intent(in) :: f
+    real(wp) :: corner(3, 4)
+    integer :: a, b, k
+
+    call face_directions(f, k, a, b)
+    corner(k, :) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    corner(a, :) = [-1.0_wp, 1.0_wp, 1.0_wp, -1.0_wp]
+    corner(b, :) = [-1.0_wp, -1.0_wp, 1.0_wp, 1.0_wp]
+  end function face_corners
 
   !> Find the gap, which is FEAP's unless the record gives another one, and the bounding box of the
   !! surface, enlarged on each side by 1.5 times the gap.
@@ -171,6 +222,18 @@ contains
     normal = cross(t1, t2)
     on = norm2(dx) < gap .and. maxval(abs(xi)) < 1.0_wp + OUTSIDE
   end subroutine project
+
+  !> Distance of a point from the surface, which is continued beyond its boundary [L].
+  pure real(wp) function distance(surface, x)
+    real(wp), intent(in) :: surface(:, :) !! (4, 9)
+    real(wp), intent(in) :: x(3)
+    real(wp) :: xi(2), normal(3), f(9), d(2, 9)
+    logical :: on
+
+    call project(surface, x, huge(1.0_wp), xi, normal, on)
+    call functions(xi, f, d)
+    distance = norm2(matmul(surface(:3, :), f) - x)
+  end function distance
 
   !> Biquadratic functions of the nine points and their derivatives.
   pure subroutine functions(xi, f, d)
