@@ -23,6 +23,8 @@ module input_plane
   !! angle between the line through both and the normal of the plane exceeds this
   real(wp), parameter :: APART = 1.0e-6_wp !! gap between two bodies, relative to the extent of the
   !! mesh, above which they are at different places
+  real(wp), parameter :: ROUNDED = 0.05_wp !! smallest such gap relative to that of the plane: the
+  !! deck may give the same place with different numbers of digits
 
 contains
 
@@ -82,7 +84,7 @@ contains
 
     if (plane%gap_is_given .or. .not. any(on)) return
     associate (x => mesh%xr(plane%direction, :))
-      least = APART*(maxval(x) - minval(x))
+      least = max(APART*(maxval(x) - minval(x)), ROUNDED*plane%gap)
       if (maxval(x, on) - minval(x, on) <= least) return
       call find_bodies(mesh, piece, new)
       allocate (first(maxval(piece)), last(maxval(piece)), low(maxval(piece)), high(maxval(piece)))
