@@ -176,8 +176,8 @@ contains
           if (abs(u - up(d, s)) <= ROUNDING*largest + CANCELLED*longest) cycle directions
           call fail(error, DECK_ERROR, 'the displacement prescribed at '//named(mesh, s) &
                     //' does not follow from those of its masters in direction '//to_text(d), &
-                    list%place(i), 'a hanging node follows its masters: prescribe the ' &
-                    //'displacement at all of them')
+                    list%place(i), 'leave this node free, or give it the displacement that ' &
+                    //'follows from its masters')
           exit directions
         end do directions
         if (allocated(error)) then
