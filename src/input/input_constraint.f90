@@ -139,7 +139,7 @@ contains
   !> Remove the supports of slaves, which follow their masters. Fail if a master of a restrained
   !! slave is free in the same direction, or if the displacement that the deck prescribes at the
   !! slave (DISP, MOVE and other words; zero with FIX alone) does not follow from those of its
-  !! masters at any load factors.
+  !! masters at any load factors of the tables in use.
   subroutine release_slaves(draft, model)
     type(draft_t), intent(inout) :: draft
     type(model_t), intent(inout) :: model
@@ -190,8 +190,9 @@ contains
     end do
   end subroutine release_slaves
 
-  !> Unequal factors for the load tables that nodes and motions follow. A single table has the
-  !! factor of the sum of all tables.
+  !> Unequal factors for the load tables that nodes and motions follow. If they follow only table 1,
+  !! it has the factor of the sum of all tables: the commands, which may define further tables, are
+  !! not known here.
   pure function unequal_factors(bc) result(factor)
     type(boundary_t), intent(in) :: bc
     real(wp), allocatable :: factor(:)
