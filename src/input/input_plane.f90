@@ -21,7 +21,7 @@ module input_plane
 
   real(wp), parameter :: BEHIND = 0.7_wp !! a node lies behind another one if the cosine of the
   !! angle between the line through both and the normal of the plane exceeds this
-  real(wp), parameter :: APART = 1.0e-6_wp !! gap between two bodies, relative to the extent of the
+  real(wp), parameter :: APART = 1.0e-5_wp !! gap between two bodies, relative to the extent of the
   !! mesh, above which they are at different places
   real(wp), parameter :: ROUNDED = 0.05_wp !! smallest such gap relative to that of the plane: the
   !! deck may give the same place with different numbers of digits
