@@ -5,15 +5,15 @@ module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
   use base_error, only: error_t, DECK_ERROR
-  use base_file, only: cut_file, file_t, file_size, inspect, remove_file
+  use base_file, only: cut_file, file_t, file_size, inspect, remove_file, replace_file, FILE_ABSENT
   use base_kinds, only: wp, i8
   use base_log, only: log_line, warn
   use base_text, only: quoted, to_text
   use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
-  use curve_file, only: open_curve, write_row, close_curve, find_row
+  use curve_file, only: open_curve, write_row, close_curve, find_row, first_step
   use curve_values, only: quantity_value
-  use result_file, only: open_result, write_result, close_result, remove_result, result_deck
+  use result_file, only: open_result, write_result, close_result, remove_result, find_steps
   implicit none
   private
   public :: remove_results, open_files, write_rows, write_fields, close_files
@@ -48,7 +48,7 @@ contains
 
   !> Open the curves; the result file is opened when fields are written for the first time. After a
   !! restart, both, and the printed tables, are cut back at once to the step of the checkpoint, even
-  !! if nothing more is written, or begin anew if they belong to another run.
+  !! if nothing more is written, or set aside if they belong to another run.
   subroutine open_files(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -62,8 +62,8 @@ contains
         if (is_own(run)) then
           keep = files%kept
         else
-          call log_line('no curves, fields and tables of this name belong to the run of the ' &
-                        //'checkpoint, so they begin after it')
+          call set_aside(run, error)
+          if (allocated(error)) return
           if (.not. files%out_open) files%printed = 0
         end if
         call open_fields(run, keep, error) ! first, because it may fail
@@ -103,12 +103,13 @@ contains
 
   !> Do the files under the name of this run belong to the run that wrote the checkpoint? They do if
   !! the checkpoint has this name, too. Of another one, the rows of its step in the old curves must
-  !! have the values of its state; without such rows, the old fields must be those of this deck.
+  !! have the values of its state; without such rows, the old fields must have its step and time.
   logical function is_own(run)
     type(run_t), intent(inout) :: run
-    real(wp), parameter :: ROUNDING = 1e-12_wp
+    real(wp), parameter :: ROUNDING = 1e-6_wp
     type(file_t) :: own, read
-    real(wp), allocatable :: new(:), old(:)
+    integer, allocatable :: number(:)
+    real(wp), allocatable :: new(:), old(:), time(:)
     integer :: differs, i
     logical :: found
 
@@ -124,14 +125,75 @@ contains
       found = .false.
       if (is_root()) call find_row(curve_path(run, i), column_names(run, i), run%state%step, old, &
                                    found)
-      if (found) differs = max(differs, merge(1, 0, any(abs(old - new) > ROUNDING*abs(new))))
+      if (found) then ! compared with the largest value, because others may be zero but for rounding
+        found = abs(old(1) - new(1)) <= ROUNDING*abs(new(1)) .and. &
+                all(abs(old(2:) - new(2:)) <= ROUNDING*maxval(abs(new(2:))))
+        differs = max(differs, merge(0, 1, found))
+      end if
       deallocate (old)
     end do
     if (is_root() .and. differs < 0) then
-      differs = merge(0, 1, result_deck(run%files%stem) == run%files%deck_text)
+      call find_steps(run%files%stem, number, time)
+      differs = merge(0, 1, any(number == run%state%step .and. &
+                                abs(time - run%state%time) <= ROUNDING*abs(run%state%time)))
     end if
     is_own = largest(differs) == 0
   end function is_own
+
+  !> Rename the curves, fields and tables of another run, with a warning, if they have steps up to
+  !! that of the checkpoint, or if there are only tables, whose steps are not known. Files with only
+  !! later steps are those of an earlier try of this run, which the new ones replace. The .vtu files
+  !! keep their names; the new .pvd does not list them.
+  subroutine set_aside(run, error)
+    type(run_t), intent(in) :: run
+    type(error_t), allocatable, intent(out) :: error
+    integer, allocatable :: number(:)
+    real(wp), allocatable :: time(:)
+    integer :: first, i
+    logical :: moves
+
+    moves = .false.
+    if (is_root()) then
+      call find_steps(run%files%stem, number, time)
+      first = minval(number) ! the largest integer if there is none
+      do i = 1, size(run%model%curve)
+        first = min(first, first_step(curve_path(run, i)))
+      end do
+      moves = first <= run%files%kept
+      if (first == huge(1)) moves = file_size(tables_path(run)) > 0 .and. .not. run%files%out_open
+    end if
+    moves = largest(merge(1, 0, moves)) == 1
+    if (.not. moves) then
+      call log_line('no curves, fields and tables of this name belong to the run of the ' &
+                    //'checkpoint, so they begin after it')
+      return
+    end if
+    if (is_root()) then
+      do i = 1, size(run%model%curve)
+        if (.not. allocated(error)) call rename_old(curve_path(run, i), error)
+      end do
+      if (.not. allocated(error)) call rename_old(run%files%stem//'.vtkhdf', error)
+      if (.not. allocated(error)) call rename_old(run%files%stem//'.pvd', error)
+      if (.not. (allocated(error) .or. run%files%out_open)) then
+        call rename_old(tables_path(run), error)
+      end if
+    end if
+    call agree(error)
+    if (allocated(error)) return
+    call warn('the curves, fields and tables of the name '//quoted(run%files%stem)//' are not ' &
+              //'those of the run that wrote the checkpoint, so new ones begin after step ' &
+              //to_text(run%files%kept), hint='the old files have the ending .old now')
+  end subroutine set_aside
+
+  !> Give a file, if it exists, the ending .old.
+  subroutine rename_old(path, error)
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(file_t) :: file
+
+    call inspect(path, file)
+    if (file%kind /= FILE_ABSENT) call replace_file(path, path//'.old', error)
+  end subroutine rename_old
 
   !> Warn that the table of curve i begins anew, because the old one has other quantities.
   subroutine warn_moved(run, i)

@@ -12,7 +12,7 @@ module curve_file
   use byte_file, only: byte_file_t, open_bytes, write_text, flush_bytes, close_bytes, write_whole
   implicit none
   private
-  public :: curve_file_t, open_curve, write_row, close_curve, curve_names, find_row
+  public :: curve_file_t, open_curve, write_row, close_curve, curve_names, find_row, first_step
 
   integer, parameter :: WIDTH = 25  !! width of a column of reals
   integer, parameter :: NARROW = 12 !! width of a column of integers
@@ -173,6 +173,17 @@ contains
       first = last + 1
     end do
   end subroutine find_row
+
+  !> Step of the first row of an old table with any quantities; the largest integer without one.
+  integer function first_step(path) result(step)
+    character(*), intent(in) :: path
+    character(:), allocatable :: rows
+    character(1) :: none(0)
+    integer :: n
+
+    call read_table(path, none, rows, n)
+    step = row_step(rows)
+  end function first_step
 
   !> Read the rows of an old table. Its number of load factors is -1 if its quantities are not these
   !! columns; without a file there are no rows.

@@ -7,12 +7,12 @@ module result_file
   use model, only: model_t, state_t
   use program_version, only: VERSION
   use view, only: view_t, build_view, map_field
-  use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_deck
+  use vtkhdf_file, only: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_steps
   use vtu_file, only: vtu_series_t, open_series, append_series
   implicit none
   private
   public :: result_file_t, open_result, choose_fields, write_result, close_result, remove_result, &
-            result_deck
+            find_steps
 
   type :: result_file_t
     type(view_t) :: view
@@ -57,13 +57,18 @@ contains
     call remove_file(stem//'.vtkhdf')
   end subroutine remove_result
 
-  !> Text of the deck whose fields have a name; empty if it is not known.
-  function result_deck(stem) result(text)
+  !> Find the steps whose fields an earlier run left under a name, in either kind of file.
+  subroutine find_steps(stem, number, time)
     character(*), intent(in) :: stem !! folder and name
-    character(:), allocatable :: text
+    integer, allocatable, intent(out) :: number(:)
+    real(wp), allocatable, intent(out) :: time(:) !! [T]
+    type(vtu_series_t) :: series
 
-    call read_deck(stem//'.vtkhdf', text)
-  end function result_deck
+    call read_steps(stem//'.vtkhdf', number, time)
+    call open_series(series, stem, huge(1)) ! keeps all steps
+    number = [number, series%step]
+    time = [time, series%time]
+  end subroutine find_steps
 
   !> Choose the fields that OUTPut names, or the default fields of the model if it names none. This
   !! must precede the first call of write_result.

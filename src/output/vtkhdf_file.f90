@@ -17,7 +17,7 @@ module vtkhdf_file
   use vtkhdf_layout, only: run_info_t, write_layout
   implicit none
   private
-  public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_deck
+  public :: vtkhdf_t, run_info_t, open_vtkhdf, append_vtkhdf, close_vtkhdf, read_steps
 
   integer, parameter :: FIRST_ROOM = 8 !! steps for which a new file has space
 
@@ -126,22 +126,31 @@ contains
     end do
   end function listed
 
-  !> Read the text of the deck of an old file; it is empty if it is not found.
-  subroutine read_deck(path, text)
+  !> Read the numbers and times of the steps of an old file; there are none if it cannot be read.
+  subroutine read_steps(path, number, time)
     character(*), intent(in) :: path
-    character(:), allocatable, intent(out) :: text
-    type(error_t), allocatable :: ignored
+    integer, allocatable, intent(out) :: number(:)
+    real(wp), allocatable, intent(out) :: time(:) !! [T]
+    type(error_t), allocatable :: error, ignored
     type(hdf5_t) :: file
+    integer :: n(1)
     logical :: exists
 
+    n = 0
     inquire (file=path, exist=exists)
-    if (exists) call open_file(file, path, .false., ignored)
-    if (exists .and. .not. allocated(ignored)) then
-      call get_attribute(file, '/', 'deck', text, ignored)
+    if (exists) call open_file(file, path, .false., error)
+    if (exists .and. .not. allocated(error)) then
+      call get_attribute(file, 'VTKHDF/Steps', 'NSteps', n, error)
+      if (allocated(error)) n = 0
+      allocate (number(n(1)), time(n(1)))
+      call get(file, 'VTKHDF/Steps/StepNumber', number, error)
+      call get(file, 'VTKHDF/Steps/Values', time, error)
       call close_file(file, ignored)
+      if (.not. allocated(error)) return
+      deallocate (number, time)
     end if
-    if (.not. allocated(text)) text = ''
-  end subroutine read_deck
+    allocate (number(0), time(0))
+  end subroutine read_steps
 
   !> Write a step. It replaces steps of the same or a higher number, which a repeated run wrote.
   subroutine append_vtkhdf(result, view, step, time, field, error)

@@ -308,15 +308,24 @@ class Names(Folder):
         ):
             with self.subTest(restart):
                 self.run_as("b", printed, ("way = 0.1", "way = -0.05"))
-                self.assertEqual(len(self.table("b")[1]), 2)
-                self.run_as("b", options=options, restart=restart)
+                before = self.table("b")
+                self.assertEqual(len(before[1]), 2)
+                said = self.run_as("b", options=options, restart=restart)
+                self.assertIn("not those of the run that wrote the checkpoint", said)
+                self.assertIn("the ending .old", said)
                 new = [3.0, 4.0] if restart else []
                 self.assertEqual([row[0] for row in self.table("b")[1]], new)
                 left = [name for name in self.files() if name[:2] in ("b.", "b_")]
                 own = ["b.log", "b.report.json", "b.restart.h5", "b_force.dat"]
-                self.assertEqual(left, own if restart else [n for n in own if "restart" not in n])
-                if restart:
-                    (self.at / "b.restart.h5").unlink()
+                if not restart:
+                    own.remove("b.restart.h5")
+                own += [f"b.{kind}.old" for kind in ("out", "pvd", "vtkhdf")]
+                own += ["b_0001.vtu", "b_0002.vtu", "b_force.dat.old"]
+                self.assertEqual(left, sorted(own))
+                (self.at / "b_force.dat.old").rename(self.at / "old_force.dat")
+                self.assertEqual(self.table("old"), before)
+                for name in left:
+                    (self.at / name).unlink(missing_ok=True)
 
     def test_files_are_continued_from_a_copy_of_the_checkpoint(self):
         for text, fields in ((self.deck, ""), (self.deck.replace("  FORCe a 3- 3\n", ""), "field")):
@@ -333,6 +342,60 @@ class Names(Folder):
                 self.assertEqual([name for name in self.files() if name != "copy.h5"], left)
                 if not fields:
                     self.assertEqual(self.table("box"), rows)
+
+    def steps(self, name):
+        with h5py.File(self.at / name) as file:
+            return list(file["VTKHDF/Steps/StepNumber"])
+
+    def test_a_longer_deck_without_a_curve_continues_its_fields_from_a_copy(self):
+        """Its text has one more line, but the file has the step and time of the checkpoint."""
+        self.deck = self.deck.replace("CURVe,force\n  FORCe a 3- 3\n\n", "")
+        self.deck = self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n")
+        self.run_as("n")
+        shutil.copy(self.at / "n.restart.h5", self.at / "copy.h5")
+        for _ in range(2):
+            said = self.run_as("n", restart="RESTart,copy.h5")
+            self.assertNotIn("warning:", said)
+            self.assertEqual(self.steps("n.vtkhdf"), [1, 2, 3, 4])
+            self.assertTrue((self.at / "n_0001.vtu").exists())
+            self.assertIn("n_0001.vtu", (self.at / "n.pvd").read_text())
+
+    def test_other_quantities_begin_a_new_table_from_a_copy(self):
+        self.deck = self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n")
+        for fields, says in ((True, "has other columns than its table"), (False, "ending .old")):
+            with self.subTest(fields):
+                self.run_as("box")
+                before = self.table("box")
+                shutil.copy(self.at / "box.restart.h5", self.at / "copy.h5")
+                if not fields:
+                    (self.at / "box.vtkhdf").unlink()
+                    (self.at / "box.pvd").unlink()
+                change = ("FORCe a 3- 3", "FORCe a 3- 2")
+                said = self.run_as("box", change, restart="RESTart,copy.h5")
+                self.assertIn(says, said)
+                self.assertEqual([row[0] for row in self.table("box")[1]], [3, 4])
+                self.assertEqual(self.steps("box.vtkhdf"), [1, 2, 3, 4] if fields else [3, 4])
+                (self.at / "box_force.dat.old").rename(self.at / "old_force.dat")
+                self.assertEqual(self.table("old"), before)
+
+    def test_a_second_try_replaces_the_files_of_the_first(self):
+        """They have no step up to the checkpoint, so nothing is renamed."""
+        for _ in range(2):
+            said = self.run_as("try", restart="RESTart,box.restart.h5")
+            self.assertNotIn("warning:", said)
+            self.assertEqual([row[0] for row in self.table("try")[1]], [3, 4])
+        self.assertFalse([name for name in self.files() if name.endswith(".old")])
+
+    def test_a_reaction_that_is_zero_up_to_rounding_does_not_matter(self):
+        self.deck = self.deck.replace("FORCe a 3- 3", "FORCe a 3- 3\n  FORCe a 3- 1")
+        self.run_as("box")
+        head, *rows = (self.at / "box_force.dat").read_text().splitlines()
+        rows = [row[:-25] + f"{1e-12:25.15e}" for row in rows]
+        (self.at / "box_force.dat").write_text("\n".join([head, *rows, ""]))
+        shutil.copy(self.at / "box.restart.h5", self.at / "copy.h5")
+        said = self.run_as("box", restart="RESTart,copy.h5")
+        self.assertNotIn("warning:", said)
+        self.assertEqual([row[0] for row in self.table("box")[1]], [1, 2, 3, 4])
 
     def test_other_fields_than_those_of_the_file_are_refused(self):
         def fields(names):
