@@ -135,7 +135,8 @@ contains
   end subroutine warn_late
 
   !> Warn if the first OUTPut comes after all steps: of several steps, only the last one is then
-  !! written, when it closes. The only step of a deck may come before it.
+  !! written, when it closes. The only step of a deck may come before it. If a PLOT follows, OUTPut
+  !! may be there to choose its fields.
   subroutine warn_late_output(run)
     type(run_t), intent(in) :: run
     integer :: i
@@ -143,6 +144,7 @@ contains
     i = first(run, 'outp')
     if (i == 0) return
     if (.not. is_late(run, i, [SOLVES, 'time']) .or. .not. has_steps(run, i)) return
+    if (has_any(run, i, size(run%program%command), ['plot'])) return
     call warn_here(run, i, 'TIME, TANG or UTAN', 'put it before the steps that it is to write; ' &
                    //'PLOT writes the last step alone')
   end subroutine warn_late_output
