@@ -3,7 +3,8 @@
 !! The MOVEs of one place (WHERE) add up: a face may be pressed by one record and dragged by
 !! another. If several places share a node, such as a node of a tied edge, and give it the same
 !! motion, this motion is applied there only once. If they give the node different motions in one
-!! direction, these add up, and a warning is issued.
+!! direction, these add up, and a warning is issued. If two places have the same nodes, such as two
+!! faces of a rigid body, a displacement of 0 in a direction is no different motion.
 !!
 !! MOVE takes precedence over FIX where both act on a node in the same direction. This is noted if
 !! both records name the same nodes, and there is a warning if they share only some nodes.
@@ -94,13 +95,15 @@ contains
     end do
   end subroutine identify
 
-  !> Warn about nodes that belong to two places with different motions in a common direction, unless
-  !! both places have the same nodes.
+  !> Warn about nodes that belong to two places with different motions in a common direction. If
+  !! both places have the same nodes, a direction in which a motion only holds them does not count.
   subroutine warn_different(id, nnode, bc)
     type(identity_t), intent(in) :: id(:)
     integer, intent(in) :: nnode
     type(boundary_t), intent(in) :: bc
     logical, allocatable :: on(:)
+    character(:), allocatable :: hint
+    logical :: same
     integer :: i, j, n
 
     allocate (on(nnode), source=.false.)
@@ -110,33 +113,36 @@ contains
       do j = 1, i - 1
         if (id(j)%place /= j) cycle
         n = count(on(bc%motion(j)%node))
-        if (n == 0 .or. n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))) cycle
-        if (.not. (lacks(id, bc%motion, i, j) .or. lacks(id, bc%motion, j, i))) cycle
+        if (n == 0) cycle
+        same = n == max(size(bc%motion(i)%node), size(bc%motion(j)%node))
+        if (.not. (lacks(id, bc%motion, same, i, j) .or. lacks(id, bc%motion, same, j, i))) cycle
+        hint = 'leave directions free with *, or move the common nodes with one MOVE only'
+        if (same) hint = 'remove one of them, or name the same place in both if the sum is meant'
         call warn('this MOVE and the one in line '//to_text(bc%motion(j)%place%line)//' give ' &
                   //'different motions to their common nodes (number: '//to_text(n) &
-                  //'); the motions add up there', &
-                  bc%motion(i)%place, 'leave directions free with *, or move the common nodes ' &
-                  //'with one MOVE only')
+                  //'); the motions add up there', bc%motion(i)%place, hint)
       end do
       on(bc%motion(i)%node) = .false.
     end do
   end subroutine warn_different
 
   !> Does place i have a motion that place j lacks, in a direction in which place j moves too?
-  pure logical function lacks(id, motion, i, j)
+  pure logical function lacks(id, motion, moving, i, j)
     type(identity_t), intent(in) :: id(:)
     type(motion_t), intent(in) :: motion(:)
+    logical, intent(in) :: moving !! skip directions with a displacement of 0
     integer, intent(in) :: i, j
     logical :: acts(3)
     integer :: m
 
     acts = .false.
     do m = 1, size(id)
-      if (id(m)%place == j) acts = acts .or. directions(motion(m))
+      if (id(m)%place == j) acts = acts .or. directions(motion(m), moving)
     end do
     lacks = .false.
     do m = 1, size(id)
-      if (id(m)%place /= i .or. .not. any(acts .and. directions(motion(m)))) cycle
+      if (id(m)%place /= i) cycle
+      if (.not. any(acts .and. directions(motion(m), moving))) cycle
       if (any(id%place == j .and. id%motion == id(m)%motion .and. id%turn == id(m)%turn)) cycle
       lacks = .true.
     end do
@@ -228,12 +234,18 @@ contains
   end function moves
 
   !> Directions in which a motion moves points: a rotation moves no point along its axis.
-  pure function directions(motion) result(acts)
+  pure function directions(motion, moving) result(acts)
     type(motion_t), intent(in) :: motion
+    logical, intent(in) :: moving !! without those in which it only holds the points
     logical :: acts(3)
 
     acts = motion%acts
-    if (motion%rotates) acts = abs(motion%axis) < 1.0_wp - ALONG
+    if (motion%rotates) then
+      acts = abs(motion%axis) < 1.0_wp - ALONG
+      if (moving) acts = acts .and. abs(motion%angle) > 0.0_wp
+    else if (moving) then
+      acts = acts .and. abs(motion%vector) > 0.0_wp
+    end if
   end function directions
 
   !> Do two MOVEs name the same place?
