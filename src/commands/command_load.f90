@@ -227,7 +227,10 @@ contains
                     //'that is not the first one ends the table (FEAP), so that the factor of ' &
                     //'this table would be constant')
         end if
-        if (done) return
+        if (done) then
+          if (.not. allocated(error)) call check_rest(deck, record, i + 2, error)
+          return
+        end if
         if (t <= table%t(size(table%t))) then
           call fail(error, DECK_ERROR, 'the times of a load table must increase, found ' &
                     //to_text(t)//' after '//to_text(table%t(size(table%t))), record%place(i))
@@ -238,6 +241,27 @@ contains
       table%p = [table%p, p]
     end do
   end subroutine take_pairs
+
+  !> Check that only zeros follow the pair 0 0 that ends a table in its record.
+  subroutine check_rest(deck, record, first, error)
+    type(deck_t), intent(in) :: deck
+    type(record_t), intent(in) :: record
+    integer, intent(in) :: first !! the first field after the pair
+    type(error_t), allocatable, intent(out) :: error
+    real(wp) :: t, p
+    integer :: i
+
+    do i = first, record%n, 2
+      call get_real(deck, record, i, t, error)
+      if (.not. allocated(error)) call get_real(deck, record, i + 1, p, error)
+      if (allocated(error)) return
+      if (.not. abs(t) + abs(p) > 0.0_wp) cycle
+      call fail(error, DECK_ERROR, 'the pair 0 0 ended the load table before this pair', &
+                record%place(i), 'list the pairs in the order of increasing time; a pair 0 0 ' &
+                //'that is not the first one ends the table (FEAP)')
+      return
+    end do
+  end subroutine check_rest
 
   subroutine run_prop(run, command, error)
     type(run_t), intent(inout) :: run
