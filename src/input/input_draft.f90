@@ -19,8 +19,8 @@ module input_draft
   private
   public :: draft_t, mesh_word_t, mesh_read_i, patch_entry_t, npatch_entry_t, knot_vector_t, &
             support_entry_t, motion_entry_t, pressure_entry_t, contact_entry_t, column_entry_t, &
-            curve_entry_t, condition_entry_t, tie_entry_t, next_data, next_line, end_set, &
-            skip_set, known_word, check_number, check_increment, row_of
+            curve_entry_t, condition_entry_t, tie_entry_t, last_element_t, next_data, next_line, &
+            end_set, skip_set, known_word, check_number, check_increment, row_of
 
   integer, parameter :: MOST_RECORDS = 24 !! limit on the number of different words in a set
 
@@ -128,6 +128,12 @@ module input_draft
     type(place_t) :: place
   end type tie_entry_t
 
+  !> The last element of an ELEMents, if its record gives an increment.
+  type :: last_element_t
+    integer :: number = 0, increment = 0
+    integer :: place = 0               !! index into the list of places
+  end type last_element_t
+
   !> A mesh word: its spelling, the data that follow it, and its reader.
   type :: mesh_word_t
     character(16) :: name = ''         !! only the first four letters count
@@ -170,6 +176,7 @@ module input_draft
     integer :: ncondition = 0
     type(condition_entry_t), allocatable :: condition(:) !! (>= ncondition)
     type(tie_entry_t), allocatable :: tie(:)
+    type(last_element_t), allocatable :: last_of_set(:)
     logical :: ended = .false.         !! the deck ended inside a set
     logical :: incomplete = .false.    !! definitions may be missing, because an unknown word was
     !! skipped or the deck ended inside a set

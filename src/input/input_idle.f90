@@ -1,4 +1,4 @@
-!> Warnings and notes about loads, materials and rigid bodies that have no effect.
+!> Warnings and notes about loads, materials, rigid bodies and increments that have no effect.
 module input_idle
   use base_kinds, only: wp
   use base_log, only: log_line, warn
@@ -10,7 +10,7 @@ module input_idle
   use mesh, only: is_rigid, mesh_t
   implicit none
   private
-  public :: warn_idle_loads, warn_idle_bodies, note_idle_materials
+  public :: warn_idle_loads, warn_idle_bodies, warn_increments, note_idle_materials
 
   real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! relative to the largest nodal force of a pressure
 
@@ -35,6 +35,35 @@ contains
       end associate
     end do
   end subroutine note_idle_materials
+
+  !> Warn about the increment of the last element of each ELEMents, which generates nothing, if the
+  !! next element that it could generate has defined nodes of which some belong to no element.
+  subroutine warn_increments(draft)
+    type(draft_t), intent(in) :: draft
+    logical, allocatable :: free(:)   ! nodes that belong to no element
+    integer, allocatable :: node(:)
+    integer :: e, i
+
+    if (size(draft%last_of_set) == 0 .or. draft%nodes%top == 0) return
+    free = draft%nodes%given(:draft%nodes%top)
+    do e = 1, draft%elements%top
+      node = draft%elements%node(:draft%elements%nen(e), e)
+      free(pack(node, node <= size(free))) = .false.
+    end do
+    do i = 1, size(draft%last_of_set)
+      associate (last => draft%last_of_set(i))
+        node = draft%elements%node(:draft%elements%nen(last%number), last%number) + last%increment
+        if (any(node < 1 .or. node > size(free))) cycle
+        if (.not. (all(draft%nodes%given(node)) .and. any(free(node)))) cycle
+        call warn('the increment '//to_text(last%increment)//' of element ' &
+                  //to_text(last%number)//' generates no elements, because no other element ' &
+                  //'follows in its ELEMents; node ' &
+                  //to_text(node(findloc(free(node), .true., 1)))//' belongs to no element', &
+                  draft%places%at(last%place), 'give the last element of the row, too, or give ' &
+                  //'this one the increment 0')
+      end associate
+    end do
+  end subroutine warn_increments
 
   !> Warn about each rigid body that acts on no other body, because it is in no contact and its
   !! nodes belong to no deformable element and to no constraint.

@@ -12,7 +12,7 @@ module input_model
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_twisted, warn_locking
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
-  use input_idle, only: note_idle_materials, warn_idle_bodies, warn_idle_loads
+  use input_idle, only: note_idle_materials, warn_idle_bodies, warn_idle_loads, warn_increments
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
@@ -56,6 +56,7 @@ contains
     allocate (draft%model%material(0), draft%model%contact(0), draft%patch(0), draft%npatch(0))
     allocate (draft%knots(0), draft%support(0), draft%contact(0))
     allocate (draft%motion(0), draft%pressure(0), draft%curve(0), draft%tie(0))
+    allocate (draft%last_of_set(0))
     call read_mesh_part(draft, deck, error)
     stages: block ! each stage needs the previous one; errors end the sequence
       if (allocated(error)) exit stages
@@ -69,6 +70,7 @@ contains
         if (draft%errors%count() > 0) exit stages
         call tabulate_basis(mesh) ! surface loads need the quadrature rules
         call warn_numbers(draft, mesh)
+        call warn_increments(draft)
         call find_tied(draft, mesh, tied)
         call warn_repeated_conditions(draft)
         call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements

@@ -14,7 +14,8 @@ module word_elements
   use deck_stream, only: deck_t, get_integer
   use element_table, only: load_elements
   use element_type, only: element_t
-  use input_draft, only: draft_t, next_data, end_set, check_number, check_increment
+  use input_draft, only: draft_t, last_element_t, next_data, end_set, check_number, &
+                         check_increment
   use input_lists, only: grow_elements, add_place
   use input_twice, only: replaced_t, note_replaced, warn_replaced
   use mesh_shape, only: node_counts
@@ -27,6 +28,7 @@ module word_elements
   !> One record.
   type :: entry_t
     integer :: number = 0, increment = 0, material = 0, place = 0
+    integer :: given = 0 !! the increment in the record
     integer, allocatable :: node(:)
   end type entry_t
 
@@ -87,6 +89,9 @@ contains
       if (allocated(error)) return
       last = e
     end do
+    if (last%given /= 0) then
+      draft%last_of_set = [draft%last_of_set, last_element_t(last%number, last%given, last%place)]
+    end if
     call warn_replaced('ELEMents', replaced, 'the later elements replace those with the same ' &
                        //'numbers: give them other numbers')
   end subroutine read_elements
@@ -146,6 +151,7 @@ contains
     e%node = field(:n)
     call check_increment(e%increment, record%place(merge(1, 2, old)), error)
     if (allocated(error)) return
+    e%given = e%increment
     if (e%increment == 0) e%increment = 1
   end subroutine read_entry
 
