@@ -48,16 +48,38 @@ contains
     type(form_report_t), intent(out) :: report
 
     real(wp) :: a(3, basis%nmode)
+
+    if (basis%nmode == 0) then
+      call integrate(basis, material, prop, xr, u, a, r, k, report%ok)
+    else
+      call form_enhanced(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+    end if
+  end subroutine form
+
+  !> Do the work of `form` for an element with enhanced modes. Such an element has few functions, so
+  !! the stack has room for the system before the modes are condensed. It has none for that of a
+  !! spline of high degree, which `form` therefore sums in k.
+  pure subroutine form_enhanced(basis, material, prop, xr, u, du, scale, h_old, h_new, r, k, report)
+    type(basis_t), intent(in) :: basis
+    type(material_t), intent(in) :: material
+    real(wp), intent(in) :: prop(:)
+    real(wp), intent(in) :: xr(:, :)
+    real(wp), intent(in) :: u(:, :)
+    real(wp), intent(in) :: du(:, :)
+    real(wp), intent(in) :: scale
+    real(wp), intent(in) :: h_old(:)
+    real(wp), intent(out) :: h_new(:)
+    real(wp), intent(out) :: r(:, :)
+    real(wp), intent(out) :: k(:, :)
+    type(form_report_t), intent(out) :: report
+
+    real(wp) :: a(3, basis%nmode)
     real(wp) :: rfull(3, basis%nen + basis%nmode)
     real(wp) :: full(3*(basis%nen + basis%nmode), 3*(basis%nen + basis%nmode))
     integer :: nd, np
 
     nd = 3*basis%nen
     np = 3*basis%nmode
-    if (np == 0) then
-      call integrate(basis, material, prop, xr, u, a, r, k, report%ok)
-      return
-    end if
     h_new = 0.0_wp
     call advance(nd, np, h_old, du, scale, a)
     h_new(:np) = reshape(a, [np])
@@ -69,7 +91,7 @@ contains
       r = 0.0_wp
       k = 0.0_wp
     end if
-  end subroutine form
+  end subroutine form_enhanced
 
   !> Update the enhanced parameters after the nodes have moved by du: a - scale m - L du.
   pure subroutine advance(nd, np, h, du, scale, a)

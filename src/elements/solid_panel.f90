@@ -166,9 +166,11 @@ contains
     real(wp), intent(in) :: w(CHUNK), y(6, CHUNK), c(6, 6, CHUNK)
     real(wp), intent(inout) :: k(3, n, 3, n)
 
-    real(wp) :: b(3, n, 6), cb(3, n, 6), p(NV*groups(n), 3), t(n, 3), s(n, n)
+    real(wp) :: b(3, n, 6), cb(3, n, 6), p(NV*groups(n), 3), t(n, 3)
+    real(wp), allocatable :: s(:, :) ! too large for the stack in splines of high degree
     integer :: q, i, j
 
+    allocate (s(n, n))
     if (first) k = 0.0_wp
     do q = 1, nq
       do i = 1, groups(n)

@@ -141,12 +141,13 @@ contains
     type(block_t), intent(in) :: block
     real(wp), intent(in) :: xr(:, :)      !! (3, nnode) [L]
     type(basis_t) :: better
-    real(wp) :: m(block%nen, block%nen)
+    real(wp), allocatable :: m(:, :)
     integer :: e
 
     n = 0
     if (is_rigid(block)) return
     call find_better(block, better)
+    allocate (m(block%nen, block%nen))
     do e = 1, block%nelem
       call element_mass(block, better, e, xr(:, block%conn(:, e)), 1.0_wp, m)
       if (.not. has_positive_rows(m)) n = n + 1
