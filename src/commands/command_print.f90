@@ -135,7 +135,7 @@ contains
     type(command_t), intent(in) :: command
     integer, intent(out) :: first, last, step
     type(error_t), allocatable, intent(out) :: error
-    integer :: b, most, nnumber
+    integer :: b, i, most, nnumber, number(3)
 
     if (all(command%option /= ['    ', 'all ', 'node', 'coor']) .or. &
         (command%option == 'node' .and. command%record%key(1) /= 'stre')) then
@@ -163,18 +163,45 @@ contains
                 command%record%place(min(3, command%record%n)), &
                 trim(run%program%row(command%row)%usage))
     end if
-    if (any(command%option == ['all ', 'coor']) .or. .not. command%x(1) > 0.5_wp) return
-    call whole_field(command, 1, first, error)
-    call whole_field(command, 2, last, error)
-    call whole_field(command, 3, step, error)
-    if (allocated(error)) return
-    last = max(first, last)
-    step = max(1, step)
+    if (any(command%option == ['all ', 'coor'])) return
+    do i = 1, 3
+      call whole_field(command, i, number(i), error)
+    end do
+    call check_range(run, command, number, error)
+    if (allocated(error) .or. number(1) == 0) return
+    first = number(1)
+    last = max(first, number(2))
+    step = max(1, number(3))
     if (last > most) then
       call fail(error, DECK_ERROR, 'the range ends at number '//to_text(last)//', but the ' &
                 //'largest number in the mesh is '//to_text(most), command%record%place(4), &
                 trim(run%program%row(command%row)%usage))
     end if
   end subroutine read_range
+
+  !> Fail if a number of a range is negative, or if it has no effect because the first one is
+  !! missing or 0, so that all nodes or elements would be printed.
+  subroutine check_range(run, command, number, error)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: number(3) !! first, last, step; 0: not given
+    type(error_t), allocatable, intent(inout) :: error !! keep an earlier error
+    character(:), allocatable :: usage
+    integer :: i
+
+    if (allocated(error)) return
+    usage = trim(run%program%row(command%row)%usage)
+    do i = 1, 3
+      if (number(i) < 0) then
+        call fail(error, DECK_ERROR, 'expected a positive number, found '//to_text(number(i)), &
+                  command%record%place(i + 2), usage)
+        return
+      else if (number(i) > 0 .and. number(1) == 0) then
+        call fail(error, DECK_ERROR, 'the range of '//command%record%text(1) &
+                  //' has no first number', command%record%place(i + 2), usage)
+        return
+      end if
+    end do
+  end subroutine check_range
 
 end module command_print
