@@ -30,6 +30,7 @@ module deck_record
     procedure :: spot
     procedure :: is_empty
     procedure :: assigns
+    procedure :: has_digits_only
     procedure :: is_end
     procedure :: is_blank
   end type record_t
@@ -75,6 +76,20 @@ contains
     yes = record%n > 1
     if (yes) yes = index(record%raw(record%last(1) + 1:record%first(2) - 1), '=') > 0
   end function assigns
+
+  !> Are the fields from number i on empty or written with digits, signs and points only, so that
+  !! no parameter decides on their values?
+  pure function has_digits_only(record, i) result(yes)
+    class(record_t), intent(in) :: record
+    integer, intent(in) :: i
+    logical :: yes
+    integer :: k
+
+    yes = .true.
+    do k = i, record%n
+      yes = yes .and. verify(record%text(k), '0123456789.+-') == 0
+    end do
+  end function has_digits_only
 
   !> Has the deck ended?
   pure function is_end(record) result(yes)

@@ -139,6 +139,7 @@ contains
     character(*), parameter :: USAGE = 'PRESsure,patch,face p [PROP k] [FOLLower]'
     type(pressure_entry_t) :: p
     type(pressure_entry_t), allocatable :: longer(:)
+    logical :: zero
     integer :: i
 
     i = 2
@@ -155,6 +156,8 @@ contains
       if (record%is_empty(i)) error%hint = USAGE
       return
     end if
+    zero = .not. abs(p%pressure%value) > 0.0_wp .and. &
+           verify(record%text(i), '0123456789.+-') == 0 ! not a parameter that is 0
     i = i + 1
     if (record%key(i) == 'prop') call read_table(deck, record, i, p%pressure%table, USAGE, error)
     if (allocated(error)) return
@@ -176,6 +179,8 @@ contains
     end if
     draft%npressure = draft%npressure + 1
     draft%pressure(draft%npressure) = p
+    if (zero) call warn('the pressure of this PRESsure is 0, so it has no effect', &
+                        p%pressure%place, 'give a pressure, or remove the record')
   end subroutine read_pressure
 
 end module word_boundary

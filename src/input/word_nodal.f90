@@ -6,7 +6,7 @@
 !!
 !! Source: FEAPpv's manual
 module word_nodal
-  use base_error, only: error_t
+  use base_error, only: error_t, place_t
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text
@@ -197,6 +197,9 @@ contains
     logical :: twice   ! the record replaces the vector of its node
     logical :: acts    ! the vector of this record or that of the last one is not zero
     logical :: told    ! a warning about generation was issued
+    logical :: zero    ! all records have only zeros, and replace no other values
+    logical :: stray   ! some increment generates nothing
+    type(place_t) :: at ! the first record
     integer :: again   ! a node whose vector generation replaces; 0: none
     integer :: n, step, last, last_step, kind, i
     real(wp) :: x(3)
@@ -211,13 +214,19 @@ contains
     n = 0
     step = 0
     told = .false.
+    zero = .true.
+    stray = .false.
     do
       last = n
       last_step = step
       call read_head(draft, deck, 'write a vector as '//fields, line, n, step, error)
-      if (allocated(error) .or. n == 0) return
+      if (allocated(error)) return
+      if (n == 0) exit
+      if (last == 0) at = line%place(1)
       call get_numbers(deck, line, 3, x, error, 0.0_wp)
       if (allocated(error)) return
+      zero = zero .and. .not. any(abs(x) > 0.0_wp) .and. line%has_digits_only(3)
+      stray = stray .or. (last_step > 0 .and. abs(n - last) <= last_step)
       x = matmul(draft%turn, x)
       if (last == n) last_step = 0
       if (is_force) then
@@ -233,6 +242,7 @@ contains
         call interpolate_between(draft%nodes%value, last, n, last_step, again)
         acts = any(abs(draft%nodes%value(:, [max(last, 1), n])) > 0.0_wp)
       end if
+      zero = zero .and. .not. twice .and. again == 0
       draft%nodes%named(n) = ibset(draft%nodes%named(n), kind)
       call note_order(draft, kind, n, any(abs(x) > 0.0_wp))
       if (last > 0 .and. last_step /= 0) then
@@ -257,6 +267,12 @@ contains
                             trim(merge('forces       ', 'displacements', is_force)), told)
       end if
     end do
+    stray = stray .or. last_step > 0 ! the increment of the last record
+    if (last > 0 .and. zero .and. (is_force .or. stray)) then
+      call warn('all values of this '//trim(merge('FORCe       ', 'DISPlacement', is_force)) &
+                //' are zero', at, 'write a vector as '//fields//': without the increment g, the ' &
+                //'first value counts as g')
+    end if
   end subroutine read_vectors
 
   !> Warn, once for each word, if a record of FORCe or DISPlacement replaces the vector that an

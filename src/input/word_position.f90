@@ -66,9 +66,10 @@ contains
     type(record_t) :: line
     type(condition_entry_t) :: r
     type(place_t) :: gap
-    logical :: more, idle
+    logical :: more, idle, zero
 
     idle = .false.
+    zero = .true. ! all values are 0 and not those of parameters
     call begin_requests(record, r, error)
     if (allocated(error)) return
     do
@@ -99,12 +100,26 @@ contains
       call get_real(deck, line, 2, r%at(1), error)
       if (.not. allocated(error)) call get_values(deck, line, 3, r, error)
       if (allocated(error)) return
+      zero = zero .and. .not. any(abs(r%value) > 0.0_wp) .and. line%has_digits_only(3)
       r%place = line%place(1)
       call append_request(draft, r)
       idle = .false.
     end do
     if (idle) call warn_idle_gap(gap)
+    if (zero .and. r%word == R_EFOR .and. r%adds .and. allocated(r%place%file)) then
+      call warn_zero_forces(record, r%place, 'direction coordinate')
+    end if
   end subroutine read_planes
+
+  !> Warn about a set of forces whose values are all 0.
+  subroutine warn_zero_forces(record, place, fields)
+    type(record_t), intent(in) :: record !! EFORce or CFORce
+    type(place_t), intent(in) :: place
+    character(*), intent(in) :: fields   !! what precedes the values
+
+    call warn('all values of this '//record%text(1)//' are zero, so it has no effect', place, &
+              'write a force as '//quoted(fields//' f1 f2 f3'))
+  end subroutine warn_zero_forces
 
   !> Names of the three values of a record.
   pure function value_names(kind) result(names)
@@ -191,7 +206,7 @@ contains
     type(record_t) :: line
     type(condition_entry_t) :: r
     type(place_t) :: gap
-    logical :: more, has_line, idle
+    logical :: more, has_line, idle, zero, any_node
 
     call begin_requests(record, r, error)
     if (allocated(error)) return
@@ -200,6 +215,8 @@ contains
     if (r%word == R_CSUR) words = CSUR_RECORDS
     has_line = .false.
     idle = .false.
+    zero = .true. ! all values are 0 and not those of parameters
+    any_node = .false.
     do
       if (.not. has_line) then
         call next_data(draft, deck, line, more, error)
@@ -229,6 +246,8 @@ contains
         if (.not. allocated(error)) call get_values(deck, line, 5, r, error)
         r%direction = 0
         if (.not. allocated(error)) call append_request(draft, r)
+        zero = zero .and. .not. any(abs(r%value) > 0.0_wp) .and. line%has_digits_only(5)
+        any_node = .true.
       case ('surf')
         idle = .false.
         call read_surface(draft, deck, r, line, has_line, error)
@@ -239,6 +258,9 @@ contains
       if (.not. draft%in_set) exit
     end do
     if (idle) call warn_idle_gap(gap)
+    if (zero .and. any_node .and. r%word == R_CFOR .and. r%adds) then ! others replace forces
+      call warn_zero_forces(record, r%place, 'NODE x y z')
+    end if
   end subroutine read_places
 
   !> Read SURFace [codes], then its points `i x y z [p]`. `line` is the record after them if
