@@ -72,7 +72,7 @@ contains
         return
       end if
       program%loop = program%loop(:top - 1)
-      ! The last pass of a loop over time ends as the others do: the step is tested when it is closed.
+      ! The last pass of a loop over time ends like the others: closing the step tests it.
       if (.not. (control%automatic .and. opening%solves) .or. opening%holds_time) return
     end associate
     if (.not. run%step%solved .or. run%step%newton%converged) return
