@@ -2,12 +2,13 @@
 module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
+  use condition_doubts, only: warn_supports_kept, warn_added, warn_unused, warn_planes_inside, &
+                              note_loose
   use deck_feap, only: mesh_hint
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
-  use input_conditions, only: apply_conditions, warn_supports_kept, warn_added, warn_unused, &
-                              warn_planes_inside, note_loose
+  use input_conditions, only: apply_conditions
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_twisted, warn_locking
