@@ -5,7 +5,7 @@ module input_plane
   use base_log, only: warn
   use base_text, only: to_text
   use mesh, only: mesh_t, is_rigid
-  use rigid_modes, only: find_pieces
+  use rigid_modes, only: find_bodies
   implicit none
   private
   public :: plane_t, warn_plane, warn_inside
@@ -86,7 +86,7 @@ contains
     associate (x => mesh%xr(plane%direction, :))
       least = max(APART*(maxval(x) - minval(x)), ROUNDED*plane%gap)
       if (maxval(x, on) - minval(x, on) <= least) return
-      call find_bodies(mesh, piece, new)
+      call find_separate(mesh, piece, new)
       allocate (first(maxval(piece)), last(maxval(piece)), low(maxval(piece)), high(maxval(piece)))
       first = huge(first)
       low = huge(low)
@@ -116,29 +116,20 @@ contains
   end subroutine warn_gap
 
   !> Number the bodies that share no nodes after TIE; nodes of no element have the number 0.
-  subroutine find_bodies(mesh, piece, new)
+  subroutine find_separate(mesh, piece, new)
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: piece(:)
     integer, intent(in), optional :: new(:) !! (nnode)
-    integer :: b, e, i, j, n, npiece
+    integer :: i, j, n
 
-    call find_pieces(mesh, piece)
-    npiece = maxval(piece)
-    do b = 1, size(mesh%block)
-      if (.not. is_rigid(mesh%block(b))) cycle
-      do e = 1, mesh%block(b)%nelem
-        associate (node => mesh%block(b)%conn(:, e))
-          where (piece(node) == 0) piece(node) = npiece + mesh%block(b)%body
-        end associate
-      end do
-    end do
+    call find_bodies(mesh, piece)
     if (.not. present(new)) return
     do n = 1, mesh%nnode
       i = piece(n)
       j = piece(new(n))
       if (i /= j .and. min(i, j) > 0) where (piece == j) piece = i
     end do
-  end subroutine find_bodies
+  end subroutine find_separate
 
   !> Warn if a plane restrains control points of an element that extends to both sides of it, while
   !! other control points of this element are free. The plane is then not held, because its

@@ -14,7 +14,7 @@ module rigid_modes
   implicit none
   private
   public :: free_body_t, find_free_bodies, is_within_body, find_motions, rigid_motion, &
-            motion_text, list_text, null_vectors, find_pieces
+            motion_text, list_text, null_vectors, find_pieces, find_bodies
 
   !> Eigenvalues of a matrix of supports below this limit are taken as zero. The matrix of a single
   !! support has one nonzero eigenvalue, which lies between 1 and 2.
@@ -162,6 +162,24 @@ contains
     end function top
 
   end subroutine find_pieces
+
+  !> Number the bodies: the pieces of find_pieces and, after them, the rigid bodies.
+  subroutine find_bodies(mesh, body)
+    type(mesh_t), intent(in) :: mesh
+    integer, allocatable, intent(out) :: body(:) !! (nnode) 0: the node belongs to no element
+    integer :: b, e, npiece
+
+    call find_pieces(mesh, body)
+    npiece = maxval(body)
+    do b = 1, size(mesh%block)
+      if (.not. is_rigid(mesh%block(b))) cycle
+      do e = 1, mesh%block(b)%nelem
+        associate (node => mesh%block(b)%conn(:, e))
+          where (body(node) == 0) body(node) = npiece + mesh%block(b)%body
+        end associate
+      end do
+    end do
+  end subroutine find_bodies
 
   !> Remove the slaves of constraints from a list of nodes, because slaves have no unknowns and do
   !! not act as supports.

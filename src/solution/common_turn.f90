@@ -9,10 +9,9 @@
 !! the measures of strain, slip and opening refer to the end of the previous step.
 module common_turn
   use base_kinds, only: wp
-  use mesh, only: mesh_t, is_rigid
   use model, only: model_t, state_t
   use prescribed, only: to_prescribed
-  use rigid_modes, only: find_pieces
+  use rigid_modes, only: find_bodies
   use screw_motion, only: screw_t, fit_screw, continue_screw
   implicit none
   private
@@ -68,24 +67,6 @@ contains
     move = rest
     turned = .true.
   end subroutine turn_together
-
-  !> Number the bodies, rigid ones included; nodes of no element have the number 0.
-  subroutine find_bodies(mesh, body)
-    type(mesh_t), intent(in) :: mesh
-    integer, allocatable, intent(out) :: body(:) !! (nnode)
-    integer :: b, e, npiece
-
-    call find_pieces(mesh, body)
-    npiece = maxval(body)
-    do b = 1, size(mesh%block)
-      if (.not. is_rigid(mesh%block(b))) cycle
-      do e = 1, mesh%block(b)%nelem
-        associate (node => mesh%block(b)%conn(:, e))
-          where (body(node) == 0) body(node) = npiece + mesh%block(b)%body
-        end associate
-      end do
-    end do
-  end subroutine find_bodies
 
   !> The nodes whose three displacements are prescribed. Slaves of constraints are not supports.
   pure subroutine find_supports(model, held)

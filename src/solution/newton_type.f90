@@ -51,7 +51,7 @@ module newton_type
     logical :: has_moved = .false.     !! the last increment contained `moved`
     real(wp) :: overlap = 0.0_wp       !! penetration before the last increment, see overlap_found
     integer, allocatable :: piece(:)   !! (nnode) body of a node, for the predictor
-    logical :: predicted = .false.     !! displacements are predicted, forces not formed yet
+    logical :: predicted = .false. !! displacements are predicted or turned; forces not formed yet
     logical :: may_retreat = .false.   !! the last increment may be shortened
   end type newton_t
 
