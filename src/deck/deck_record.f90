@@ -77,16 +77,19 @@ contains
     if (yes) yes = index(record%raw(record%last(1) + 1:record%first(2) - 1), '=') > 0
   end function assigns
 
-  !> Are the fields from number i on empty or written with digits, signs and points only, so that
-  !! no parameter decides on their values?
-  pure function has_digits_only(record, i) result(yes)
+  !> Are the fields from number `first` to `last` (by default to the end) empty or written with
+  !! digits, signs and points only, so that no parameter decides on their values?
+  pure function has_digits_only(record, first, last) result(yes)
     class(record_t), intent(in) :: record
-    integer, intent(in) :: i
+    integer, intent(in) :: first
+    integer, intent(in), optional :: last
     logical :: yes
-    integer :: k
+    integer :: k, n
 
+    n = record%n
+    if (present(last)) n = min(n, last)
     yes = .true.
-    do k = i, record%n
+    do k = first, n
       yes = yes .and. verify(record%text(k), '0123456789.+-') == 0
     end do
   end function has_digits_only

@@ -388,8 +388,7 @@ contains
     if (.not. has_corners_on(mesh, block, e, f, cell, r)) return
     allocate (x, source=mesh%xr(:, block%conn(:, e)))
     allocate (shp(block%nen), dshp(3, block%nen))
-    centre = 0.0_wp
-    centre((f + 1)/2) = merge(-1.0_wp, 1.0_wp, mod(f, 2) == 1)
+    centre = 0.25_wp*sum(face_corners(f), 2)
     call block%row%functions(cell, centre, shp, dshp)
     call face_normal(f, x, dshp, area, t1, t2)
     call project(r%surface, matmul(x, shp), huge(load), eta, normal, lies)

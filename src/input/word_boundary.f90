@@ -156,8 +156,7 @@ contains
       if (record%is_empty(i)) error%hint = USAGE
       return
     end if
-    zero = .not. abs(p%pressure%value) > 0.0_wp .and. &
-           verify(record%text(i), '0123456789.+-') == 0 ! not a parameter that is 0
+    zero = .not. abs(p%pressure%value) > 0.0_wp .and. record%has_digits_only(i, i)
     i = i + 1
     if (record%key(i) == 'prop') call read_table(deck, record, i, p%pressure%table, USAGE, error)
     if (allocated(error)) return
