@@ -223,22 +223,22 @@ contains
   subroutine warn_soft_penalty(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
-    character(:), allocatable :: work
+    character(:), allocatable :: sources ! of the work
     integer :: c
 
     if (size(model%contact) == 0) return
     if (.not. state%energy%penetration_share > SOFT) return
-    work = ' the work of supports and loads'
-    if (any(model%contact%cohesive%given)) work = work//' and the energy of bonds'
+    sources = ' the work of supports and loads'
+    if (any(model%contact%cohesive%given)) sources = sources//' and the energy of bonds'
     if (state%energy%penetration_share > WITHOUT_WORK) then
-      call warn('the energy stored in penetration exceeds'//work, &
+      call warn('the energy stored in penetration exceeds'//sources, &
                 model%contact(1)%place, 'surfaces overlapped before a force acted on them: take ' &
                 //'smaller steps until they meet, or move the bodies apart at the start')
       return
     end if
     c = maxloc([(sum(state%contact(c)%pressed), c=1, size(model%contact))], 1)
     call warn('penetration absorbs '//to_text(100*state%energy%penetration_share, 3) &
-              //' % of'//work//': the penalty is too soft', &
+              //' % of'//sources//': the penalty is too soft', &
               model%contact(c)%place, stiffer(model%contact(c)))
   end subroutine warn_soft_penalty
 
