@@ -35,7 +35,9 @@ contains
     integer :: n, step, last, last_step, code(3), i
     logical :: told    ! a warning about generation was issued
     logical :: ends    ! the last record ends a generation
+    logical :: zero    ! all codes are 0, and none of them frees a direction
     logical :: given(3)
+    type(place_t) :: at ! the first record
 
     call check_count(record, 1, 1, "BOUNdary has no options; records 'n g code1 code2 code3' " &
                      //'follow', error)
@@ -44,16 +46,20 @@ contains
     step = 0
     told = .false.
     ends = .false.
+    zero = .true.
     do
       last = n
       last_step = step
       call read_head(draft, deck, "write restraints as 'n g code1 code2 code3'", line, n, step, &
                      error)
-      if (allocated(error) .or. n == 0) return
+      if (allocated(error)) return
+      if (n == 0) exit
+      if (last == 0) at = line%place(1)
       call get_numbers(deck, line, 3, code, error, 0)
       if (allocated(error)) return
       associate (codes => draft%nodes%code)
         given = code /= 0
+        zero = zero .and. .not. any(given .or. codes(:, n) /= 0) .and. line%has_digits_only(3)
         if (last > 0) where (code == 0 .and. codes(:, last) < 0) code = -1
         call warn_freed(draft, line, n, codes(:, n) /= 0 .and. code == 0)
         codes(:, n) = code
@@ -72,7 +78,19 @@ contains
         end do
       end associate
     end do
+    if (last > 0 .and. zero) call warn_zero('all codes of this BOUNdary are 0', at, &
+                                            'n g code1 code2 code3')
   end subroutine read_boundary
+
+  !> Warn about a word whose values are all zero.
+  subroutine warn_zero(text, place, fields)
+    character(*), intent(in) :: text
+    type(place_t), intent(in) :: place
+    character(*), intent(in) :: fields   !! of its records
+
+    call warn(text, place, "write a record as '"//fields//"': without the increment g, the first " &
+              //'value counts as g')
+  end subroutine warn_zero
 
   !> Warn, once, if a record of BOUNdary frees directions of its node that earlier ones restrain.
   subroutine warn_freed(draft, line, n, freed)
@@ -153,6 +171,12 @@ contains
     type(record_t), intent(in) :: record
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: line
+    integer :: again   ! a node whose other numbers generation replaces; 0: none
+    logical :: acts    ! generation changes numbers of nodes
+    logical :: told    ! a warning about generation was issued
+    logical :: zero    ! all numbers are 0, and replace no others
+    logical :: stray   ! some increment generates nothing
+    type(place_t) :: at ! the first record
     integer :: n, step, last, last_step, number(3), i
 
     call check_count(record, 1, 1, "FPROportional has no options; records 'n g k1 k2 k3' follow", &
@@ -160,29 +184,50 @@ contains
     if (allocated(error)) return
     n = 0
     step = 0
+    told = .false.
+    zero = .true.
+    stray = .false.
     do
       last = n
       last_step = step
       call read_head(draft, deck, "write load numbers as 'n g k1 k2 k3'", line, n, step, error)
-      if (allocated(error) .or. n == 0) return
+      if (allocated(error)) return
+      if (n == 0) exit
+      if (last == 0) at = line%place(1)
       call get_numbers(deck, line, 3, number, error, 0)
       if (allocated(error)) return
+      stray = stray .or. (last_step > 0 .and. abs(n - last) <= last_step)
       do i = 1, 3
         call note_load_number(draft%model%bc, abs(number(i)), line%place(1))
       end do
       associate (table => draft%nodes%table)
+        zero = zero .and. all(number == 0 .and. table(:, n) == 0) .and. line%has_digits_only(3)
         table(:, n) = abs(number)
         draft%nodes%named(n) = ibset(draft%nodes%named(n), C_TABLE)
         call note_order(draft, C_TABLE, n, any(number /= 0))
         if (last == 0 .or. last_step == 0) cycle
-        last_step = sign(last_step, n - last)
-        do i = last + last_step, n, last_step
+        again = 0
+        acts = .false.
+        do i = last + sign(last_step, n - last), n, sign(last_step, n - last)
           if (i == n) exit
+          if (any(table(:, i) /= table(:, last))) then
+            acts = .true.
+            if (again == 0 .and. any(table(:, i) > 0)) again = i
+          end if
           table(:, i) = table(:, last)
           call note_order(draft, C_TABLE, i, any(table(:, i) > 0))
         end do
+        if (again > 0) then
+          call warn_replaced(draft, line, C_TABLE, again, generated_again(last, last_step))
+        else if (acts .and. .not. told) then
+          call warn_backwards(line, last, n, last_step, 'load numbers', told)
+        end if
       end associate
     end do
+    stray = stray .or. last_step > 0 ! the increment of the last record
+    if (last > 0 .and. zero .and. stray) then
+      call warn_zero('all load numbers of this FPROportional are 0', at, 'n g k1 k2 k3')
+    end if
   end subroutine read_load_numbers
 
   !> Read FORCe: `n g f1 f2 f3`, or DISPlacement: `n g u1 u2 u3`. TRANsform rotates the vectors.
@@ -259,9 +304,7 @@ contains
                              //'use CFORce,ADD'
         call warn_replaced(draft, line, kind, n, hint)
       else if (again > 0) then
-        call warn_replaced(draft, line, kind, again, 'the increment '//to_text(last_step) &
-                           //' of node '//to_text(last)//' generates it again and replaces the ' &
-                           //'earlier value (FEAP): give the last record of a line the increment 0')
+        call warn_replaced(draft, line, kind, again, generated_again(last, last_step))
       else if (last > 0 .and. acts .and. .not. told) then
         call warn_backwards(line, last, n, last_step, &
                             trim(merge('forces       ', 'displacements', is_force)), told)
@@ -269,26 +312,37 @@ contains
     end do
     stray = stray .or. last_step > 0 ! the increment of the last record
     if (last > 0 .and. zero .and. (is_force .or. stray)) then
-      call warn('all values of this '//trim(merge('FORCe       ', 'DISPlacement', is_force)) &
-                //' are zero', at, 'write a vector as '//fields//': without the increment g, the ' &
-                //'first value counts as g')
+      call warn_zero('all values of this '//trim(merge('FORCe       ', 'DISPlacement', is_force)) &
+                     //' are zero', at, fields(2:len(fields) - 1))
     end if
   end subroutine read_vectors
 
-  !> Warn, once for each word, if a record of FORCe or DISPlacement replaces the vector that an
+  !> Hint for a value that generation replaces.
+  function generated_again(last, step) result(hint)
+    integer, intent(in) :: last, step    !! node and increment of the record that generates
+    character(:), allocatable :: hint
+
+    hint = 'the increment '//to_text(step)//' of node '//to_text(last)//' generates it again ' &
+           //'and replaces the earlier value (FEAP): give the last record of a line the increment 0'
+  end function generated_again
+
+  !> Warn, once for each word, if a record of FORCe, DISPlacement or FPROportional replaces what an
   !! earlier one gives to a node.
   subroutine warn_replaced(draft, line, kind, n, hint)
     type(draft_t), intent(inout) :: draft
     type(record_t), intent(in) :: line
-    integer, intent(in) :: kind !! C_FORCE or C_VALUE
+    integer, intent(in) :: kind !! C_FORCE, C_VALUE or C_TABLE
     integer, intent(in) :: n
     character(*), intent(in) :: hint
+    character(:), allocatable :: word
 
     if (draft%twice(kind)) return
     draft%twice(kind) = .true.
-    call warn(trim(merge('FORCe       ', 'DISPlacement', kind == C_FORCE))//' is given twice at ' &
-              //'node '//to_text(n)//'; further such nodes are not reported', line%place(1), &
-              hint)
+    word = 'FPROportional'
+    if (kind == C_FORCE) word = 'FORCe'
+    if (kind == C_VALUE) word = 'DISPlacement'
+    call warn(word//' is given twice at node '//to_text(n)//'; further such nodes are not ' &
+              //'reported', line%place(1), hint)
   end subroutine warn_replaced
 
   !> Does a vector replace an earlier one that is not zero and not equal to it?

@@ -102,6 +102,7 @@ contains
       if (allocated(error)) return
       zero = zero .and. .not. any(abs(r%value) > 0.0_wp) .and. line%has_digits_only(3)
       r%place = line%place(1)
+      if (r%adds) call warn_no_restraint(r, line, 3)
       call append_request(draft, r)
       idle = .false.
     end do
@@ -120,6 +121,18 @@ contains
     call warn('all values of this '//record%text(1)//' are zero, so it has no effect', place, &
               'write a force as '//quoted(fields//' f1 f2 f3'))
   end subroutine warn_zero_forces
+
+  !> Warn about restraints that are added to others, and of which all codes are 0.
+  subroutine warn_no_restraint(r, line, first)
+    type(condition_entry_t), intent(in) :: r
+    type(record_t), intent(in) :: line
+    integer, intent(in) :: first         !! field of the first code
+
+    if (all(r%word /= [R_EBOU, R_CBOU]) .or. any(nint(r%value) /= 0)) return
+    if (.not. line%has_digits_only(first)) return ! the value of a parameter
+    call warn('this record of '//merge('EBOUndary', 'CBOUndary', r%word == R_EBOU) &
+              //' restrains no direction and has no effect', line%place(1), 'a code that is not 0 restrains its direction')
+  end subroutine warn_no_restraint
 
   !> Names of the three values of a record.
   pure function value_names(kind) result(names)
@@ -245,6 +258,7 @@ contains
         if (.not. allocated(error)) call get_numbers(deck, line, 2, r%at, error, 0.0_wp)
         if (.not. allocated(error)) call get_values(deck, line, 5, r, error)
         r%direction = 0
+        if (r%adds .and. .not. allocated(error)) call warn_no_restraint(r, line, 5)
         if (.not. allocated(error)) call append_request(draft, r)
         zero = zero .and. .not. any(abs(r%value) > 0.0_wp) .and. line%has_digits_only(5)
         any_node = .true.
@@ -284,6 +298,7 @@ contains
       fields = "'i x y z'"
       call check_count(line, 1, 4, 'SURFace code1 code2 code3', error)
       if (.not. allocated(error)) call get_values(deck, line, 2, r, error)
+      if (.not. allocated(error)) call warn_no_restraint(r, line, 2)
     else
       call check_count(line, 1, 1, 'SURFace has no options; records '//fields//' follow', error)
     end if
@@ -310,6 +325,11 @@ contains
         call fail(error, DECK_ERROR, 'unknown point '//to_text(i)//' of a surface', &
                   line%place(1), 'points 1 to 4 are the corners, 5 to 8 the middles of the ' &
                   //'edges, and 9 is the centre')
+        return
+      end if
+      if (given(i)) then
+        call fail(error, DECK_ERROR, 'point '//to_text(i)//' of the surface is given twice', &
+                  line%place(1), 'begin each surface with a record SURFace')
         return
       end if
       call get_numbers(deck, line, 2, r%surface(:, i), error, 0.0_wp)
