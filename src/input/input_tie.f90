@@ -37,36 +37,50 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, allocatable, intent(out) :: new(:) !! (nnode)
+    integer, allocatable :: before(:) ! (nnode)
+    logical, allocatable :: acts(:)   ! (nnode) has a node that the record selects been joined?
+    logical, allocatable :: idle(:)   ! (records) does a record join no nodes?
+    logical, allocatable :: loose(:)  ! (nnode) joined within the default tolerance
     integer :: i, n
 
     new = [(n, n=1, mesh%nnode)]
-    if (all(draft%tie%from == 0)) return
-    do i = 1, count(draft%tie%from > 0)
-      call find_pairs(draft, draft%tie(i), mesh, new)
+    if (size(draft%tie) == 0) return
+    allocate (idle(size(draft%tie)), acts(mesh%nnode))
+    allocate (loose(mesh%nnode), source=.false.)
+    do i = 1, size(draft%tie)
+      before = new
+      call find_pairs(draft, draft%tie(i), mesh, new, acts)
+      idle(i) = .not. any(acts)
+      if (.not. draft%tie(i)%tolerance > 0.0_wp) loose = loose .or. new /= before
     end do
     n = count(new /= [(i, i=1, mesh%nnode)])
     call log_line('TIE       joins '//to_text(n)//' nodes with others')
-    if (n == 0) then
-      call warn('TIE joins no nodes', draft%tie(1)%place, &
-                'check the positions: no two of the nodes that TIE selects coincide')
-    end if
+    do i = 1, size(idle)
+      if (.not. idle(i)) cycle
+      call warn(trim(merge('TIE     ', 'this TIE', n == 0))//' joins no nodes', &
+                draft%tie(i)%place, 'check the positions: no two of the nodes that TIE selects ' &
+                //'coincide')
+      if (n == 0) exit
+    end do
     do n = 1, mesh%nnode
       new(n) = new(new(n)) ! numbers only decrease, so the target is final
     end do
-    if (all(abs(draft%tie%tolerance) <= 0.0_wp)) call warn_distant(draft, mesh, new)
+    call warn_distant(draft, mesh, new, loose)
   end subroutine find_tied
 
   !> Warn if the default tolerance, which is a fraction of the extent of the whole mesh, joins nodes
   !! across a gap that is not small compared with their elements.
-  subroutine warn_distant(draft, mesh, new)
+  subroutine warn_distant(draft, mesh, new, loose)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: new(:)          !! (nnode)
+    logical, intent(in) :: loose(:)        !! (nnode) joined within the default tolerance
     real(wp), parameter :: VISIBLE = 0.05_wp !! distance over element size above which to warn
     real(wp) :: distance(mesh%nnode), edge(mesh%nnode), length
     integer :: a, b, e, i, n, worst
 
     distance = [(norm2(mesh%xr(:, n) - mesh%xr(:, new(n))), n=1, mesh%nnode)]
+    where (.not. loose) distance = 0.0_wp
     if (.not. any(distance > 0.0_wp)) return
     edge = huge(edge) ! shortest distance to another node of an element
     do b = 1, size(mesh%block)
@@ -139,16 +153,18 @@ contains
   end subroutine tie_nodes
 
   !> Find for each node the node that replaces it after one TIE record.
-  subroutine find_pairs(draft, tie, mesh, new)
+  subroutine find_pairs(draft, tie, mesh, new, acts)
     type(draft_t), intent(in) :: draft
     type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
     integer, intent(inout) :: new(:) !! (nnode)
+    logical, intent(out) :: acts(:)  !! (nnode) the record selects the node, and it is joined now
     type(grid_t) :: grid
     integer, allocatable :: class(:) ! (nnode) 0: not tied; bits 0 and 1: two materials
     real(wp) :: high(3)
     integer :: b, d, e, m, n, number, at(3)
 
+    acts = .false.
     if (.not. any(mesh%used)) return
     do d = 1, 3
       grid%low(d) = minval(mesh%xr(d, :), mesh%used)
@@ -182,23 +198,22 @@ contains
       where (abs(mesh%xr(d, :) - tie%coordinate) > grid%tol(d)) class = 0
     end if
     do n = 1, mesh%nnode ! a node stands for those that earlier records have joined with it
-      m = n
-      do while (new(m) /= m)
-        m = new(m)
-      end do
+      m = root(new, n)
       class(m) = ior(class(m), class(n))
     end do
     do n = 1, mesh%nnode
       if (class(n) == 0 .or. new(n) /= n) cycle
       at = max(1, min(grid%cells, int((mesh%xr(:, n) - grid%low)/grid%width) + 1))
-      m = partner(grid, tie, mesh, class, n, at)
-      if (m > 0) then
-        new(n) = m
-      else
+      call join(grid, tie, mesh, n, at, class, new)
+      if (new(n) == n) then
         grid%next(n) = grid%head(at(1), at(2), at(3))
         grid%head(at(1), at(2), at(3)) = n
       end if
     end do
+    do n = 1, mesh%nnode
+      if (new(n) /= n) acts([n, root(new, n)]) = .true.
+    end do
+    acts = acts .and. class > 0
   end subroutine find_pairs
 
   !> In each direction, nodes are tied if they are not farther apart than this fraction of the
@@ -211,29 +226,50 @@ contains
     if (.not. fraction > 0.0_wp) fraction = TOLERANCE/sqrt(real(nnode, wp))
   end function tie_tolerance
 
-  !> The listed node that replaces node n, which lies in cell `at`; 0: there is none.
-  pure integer function partner(grid, tie, mesh, class, n, at) result(m)
+  !> Join node n, which lies in cell `at`, with a listed node at its position, if there is one. If
+  !! nodes of one material are tied to those of another one, it joins all of them: several bodies of
+  !! the first material may meet at one node of the second, whatever their order.
+  subroutine join(grid, tie, mesh, n, at, class, new)
     type(grid_t), intent(in) :: grid
     type(tie_entry_t), intent(in) :: tie
     type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: class(:)    !! (nnode)
     integer, intent(in) :: n, at(3)
-    integer :: i, j, k
+    integer, intent(inout) :: class(:), new(:) !! (nnode)
+    integer :: i, j, k, m, low, high
 
     do k = max(1, at(3) - 1), min(grid%cells(3), at(3) + 1)
       do j = max(1, at(2) - 1), min(grid%cells(2), at(2) + 1)
         do i = max(1, at(1) - 1), min(grid%cells(1), at(1) + 1)
           m = grid%head(i, j, k)
           do while (m > 0)
-            if (all(abs(mesh%xr(:, n) - mesh%xr(:, m)) <= grid%tol)) then
-              if (tie%material(1) == tie%material(2) .or. ior(class(n), class(m)) == 3) return
+            low = min(root(new, m), root(new, n))
+            high = max(root(new, m), root(new, n))
+            if (low < high .and. all(abs(mesh%xr(:, n) - mesh%xr(:, m)) <= grid%tol)) then
+              if (tie%material(1) == tie%material(2)) then
+                new(n) = m
+                return
+              end if
+              if (ior(class(low), class(high)) == 3) then
+                new(high) = low
+                class(low) = 3
+              end if
             end if
             m = grid%next(m)
           end do
         end do
       end do
     end do
-    m = 0
-  end function partner
+  end subroutine join
+
+  !> The node that replaces node n.
+  pure integer function root(new, n) result(m)
+    integer, intent(in) :: new(:)        !! (nnode)
+    integer, intent(in) :: n
+
+    m = n
+    do while (new(m) /= m)
+      m = new(m)
+    end do
+  end function root
 
 end module input_tie

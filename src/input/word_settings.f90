@@ -70,6 +70,10 @@ contains
       end if
     case ('mate')
       call get_numbers(deck, record, 3, t%material, error)
+      if (.not. allocated(error) .and. any(t%material < 1)) then
+        call fail(error, DECK_ERROR, 'material '//to_text(minval(t%material))//' is not positive', &
+                  record%place(merge(3, 4, t%material(1) < 1)), 'TIE,MATErial,m1,m2')
+      end if
     case default
       call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(2))//' of TIE', &
                 record%place(2), USAGE)
