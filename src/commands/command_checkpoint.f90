@@ -302,24 +302,24 @@ contains
   end subroutine exchange_program
 
   !> Exchange all parameters by name: PARAmeter may have defined some that are not in the mesh part
-  !! of the deck.
+  !! of the deck. The names are stored with blanks up to a common length.
   subroutine exchange_parameters(x, params)
     type(exchange_t), intent(inout) :: x
     type(params_t), intent(inout) :: params
-    character(64), allocatable :: name(:)
     character(:), allocatable :: names
     real(wp), allocatable :: value(:)
     logical :: there(2)
-    integer :: i
+    integer :: i, length
 
     if (x%writes) then
-      allocate (name, source=parameter_names(params))
-      allocate (value(size(name)))
       names = ''
-      do i = 1, size(name)
-        names = names//name(i)
-        call find_parameter(params, trim(name(i)), value(i), there(1))
-      end do
+      associate (name => parameter_names(params))
+        allocate (value(size(name)))
+        do i = 1, size(name)
+          names = names//name(i)
+          call find_parameter(params, trim(name(i)), value(i), there(1))
+        end do
+      end associate
       call put(x%values, 'parameter_names', names)
       call put(x%values, 'parameters', value)
       return
@@ -327,10 +327,12 @@ contains
     call get(x%values, 'parameter_names', names, there(1))
     call get(x%values, 'parameters', value, there(2))
     x%whole = x%whole .and. all(there)
-    if (x%whole) x%whole = len(names) == len(name)*size(value)
+    if (.not. x%whole .or. size(value) == 0) return
+    length = len(names)/size(value)
+    x%whole = length > 0 .and. len(names) == length*size(value)
     if (.not. x%whole) return
     do i = 1, size(value)
-      call set_parameter(params, trim(names(len(name)*(i - 1) + 1:len(name)*i)), value(i))
+      call set_parameter(params, trim(names(length*(i - 1) + 1:length*i)), value(i))
     end do
   end subroutine exchange_parameters
 

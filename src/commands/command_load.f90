@@ -6,7 +6,7 @@ module command_load
   use base_text, only: to_text
   use command_step, only: finish_solved_step
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, data_t, &
-                          whole_field, check_fields
+                          assignment_t, whole_field, check_fields
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
@@ -305,13 +305,12 @@ contains
     character(:), allocatable :: name
     real(wp) :: value
 
-    allocate (character(32) :: data%name(0))
-    allocate (data%value(0))
+    allocate (data%assignment(0))
     if (allocated(run%program%end_of_table)) deallocate (run%program%end_of_table)
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
-      if (is_past_data(record) .and. size(data%name) == 0) then
+      if (is_past_data(record) .and. size(data%assignment) == 0) then
         call fail(error, DECK_ERROR, 'the data of this PARAmeter are missing', &
                   command%record%place(1), &
                   'give records name = value after the END of BATCh, and a blank record')
@@ -320,8 +319,7 @@ contains
       if (record%kind /= RECORD_WORDS) exit
       call get_assignment(run%deck, record, name, value, error)
       if (allocated(error)) return
-      data%name = [character(32) :: data%name, name]
-      data%value = [data%value, value]
+      data%assignment = [data%assignment, assignment_t(name, value)]
     end do
   end subroutine read_assignments
 
@@ -333,8 +331,8 @@ contains
 
     if (run%program%dry) return
     associate (data => command%data(command%visit))
-      do i = 1, size(data%value)
-        call set_parameter(run%deck%params, trim(data%name(i)), data%value(i))
+      do i = 1, size(data%assignment)
+        call set_parameter(run%deck%params, data%assignment(i)%name, data%assignment(i)%value)
       end do
     end associate
   end subroutine run_para

@@ -57,9 +57,10 @@ contains
         exit
       end if
       if (record%key(1) /= 'batc') then
+        if (errors%count() > 0 .and. is_number(record)) cycle ! data of commands that were not read
         call fail(error, DECK_ERROR, "unexpected '"//record%text(1)//"'", record%place(1), &
                   'after the mesh come BATCh ... END, the data of its commands and STOP')
-        if (scan(record%text(1)//' ', '0123456789.+-') == 1) then
+        if (is_number(record)) then
           error%hint = 'no remaining command reads this record'
           if (allocated(run%program%end_of_table)) then
             call name_end_of_table(run%program, error)
@@ -83,6 +84,13 @@ contains
     run%deck%params = params
     run%step%control = control
   end subroutine read_program
+
+  !> Does a record begin with a number, as data of commands do?
+  pure logical function is_number(record)
+    type(record_t), intent(in) :: record
+
+    is_number = scan(record%text(1)//' ', '0123456789.+-') == 1
+  end function is_number
 
   !> Read one batch: its commands up to END, then their data.
   subroutine read_batch(run, opening, errors, error)
@@ -180,7 +188,7 @@ contains
             if (loop(depth) == i - 1) then
               call fail(error, DECK_ERROR, 'the loop is empty', opening%place(1), &
                         'put commands between LOOP and NEXT, or remove both')
-            else if (next%n > 1 .and. opening%n > 1) then
+            else if (.not. (next%is_empty(2) .or. opening%is_empty(2))) then
               if (next%key(2) /= opening%key(2)) then
                 call fail(error, DECK_ERROR, "expected the NEXT of loop '"//opening%text(2) &
                           //"', found '"//next%text(2)//"'", next%place(2), &

@@ -57,7 +57,7 @@ contains
     integer :: i
 
     told = .false.
-    allocate (data%value(0))
+    allocate (data%assignment(0))
     curve%name = 'tplot'
     curve%place = command%record%place(1)
     allocate (curve%quantity(0))

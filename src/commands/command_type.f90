@@ -16,14 +16,19 @@ module command_type
   use step, only: step_t
   implicit none
   private
-  public :: run_t, plan_t, program_t, files_t, loop_t, command_t, command_row_t, data_t, new_row, &
-            has_number, whole_field, check_fields
+  public :: run_t, plan_t, program_t, files_t, loop_t, command_t, command_row_t, data_t, &
+            assignment_t, new_row, has_number, whole_field, check_fields
+
+  !> A record `name = value` of PARAmeter.
+  type :: assignment_t
+    character(:), allocatable :: name
+    real(wp) :: value = 0.0_wp
+  end type assignment_t
 
   !> Data records of a command, read before the run starts.
   type :: data_t
     type(load_table_t), allocatable :: table(:) !! PROP
-    character(:), allocatable :: name(:)        !! PARAmeter
-    real(wp), allocatable :: value(:)
+    type(assignment_t), allocatable :: assignment(:) !! PARAmeter
   end type data_t
 
   !> One command of the deck. The fields after the word are an option, then numbers.

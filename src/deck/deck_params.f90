@@ -96,13 +96,23 @@ contains
     end if
   end subroutine find_parameter
 
-  !> Names of all parameters, in the order in which they were set, for hints.
-  pure function parameter_names(params) result(list)
+  !> Length of the longest name of a parameter, at least 64.
+  pure integer function longest_name(params) result(length)
     type(params_t), intent(in) :: params
-    character(64), allocatable :: list(:)
     integer :: i
 
-    allocate (list(params%n))
+    length = 64
+    do i = 1, params%n
+      length = max(length, len(params%name(i)%text))
+    end do
+  end function longest_name
+
+  !> Names of all parameters, in the order in which they were set.
+  pure function parameter_names(params) result(list)
+    type(params_t), intent(in) :: params
+    character(longest_name(params)) :: list(params%n)
+    integer :: i
+
     do i = 1, params%n
       list(i) = params%name(i)%text
     end do

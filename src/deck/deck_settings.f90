@@ -1,6 +1,6 @@
 !> Parameters that the command line sets: --set name=value.
 module deck_settings
-  use base_error, only: error_t, fail, DECK_ERROR
+  use base_error, only: error_t, fail, place_t, DECK_ERROR
   use base_kinds, only: wp
   use base_text, only: lower, nearest, quoted, to_text
   use deck_expression, only: compute, params_t, trouble_t
@@ -13,6 +13,7 @@ module deck_settings
     character(:), allocatable :: name !! lower case
     real(wp) :: value = 0.0_wp
     logical :: used = .false.         !! the deck sets the parameter too
+    type(place_t) :: place            !! the first record of the deck that sets it
   end type setting_t
 
 contains
@@ -61,21 +62,31 @@ contains
   end function position
 
   !> Get the value that the command line gives to a parameter of the deck. It replaces only the
-  !! first value that the deck assigns; later assignments take effect, so that a counter in a LOOP
-  !! starts from the value of the command line.
-  subroutine use_setting(list, name, value, found)
+  !! value of the first record that sets the parameter, whenever this record is read: a LOOP of the
+  !! mesh part, or a file that is included twice, reads it again. Later records take effect, and so
+  !! does the first one if it counts: it then starts from the value of the command line.
+  subroutine use_setting(list, name, place, counts, value, found)
     type(setting_t), intent(inout) :: list(:)
     character(*), intent(in) :: name
-    real(wp), intent(inout) :: value !! unchanged if the command line gives none
+    type(place_t), intent(in) :: place !! of the record
+    logical, intent(in) :: counts      !! its expression contains the parameter itself
+    real(wp), intent(inout) :: value   !! unchanged if the command line gives none
     logical, intent(out) :: found
     integer :: i
 
     i = position(list, name)
     found = i > 0
-    if (found) found = .not. list(i)%used
     if (.not. found) return
-    list(i)%used = .true.
-    value = list(i)%value
+    associate (setting => list(i))
+      if (setting%used) then
+        found = .not. counts .and. setting%place%line == place%line .and. &
+                setting%place%file == place%file
+      end if
+      if (.not. found) return
+      if (.not. setting%used) setting%place = place
+      setting%used = .true.
+      value = setting%value
+    end associate
   end subroutine use_setting
 
   !> Check that the deck sets every parameter that the command line sets.

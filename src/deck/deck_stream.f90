@@ -254,7 +254,7 @@ contains
     end if
     call check_count(record, 2, huge(1), 'name = expression', error)
     if (allocated(error)) return
-    call use_setting(deck%setting, name, value, found)
+    call use_setting(deck%setting, name, record%place(1), mentions(record, name), value, found)
     if (found) then
       call set_parameter(deck%params, name, value)
       call warn_of_name(deck, record)
@@ -274,19 +274,36 @@ contains
     call warn_of_name(deck, record)
   end subroutine get_assignment
 
+  !> Does the expression of a record `name = expression` contain this name?
+  pure logical function mentions(record, name) result(yes)
+    type(record_t), intent(in) :: record
+    character(*), intent(in) :: name
+    character(*), parameter :: LETTERS = 'abcdefghijklmnopqrstuvwxyz0123456789_'
+    character(:), allocatable :: text
+    integer :: i, n
+
+    text = ' '//lower(record%raw(record%first(2):record%last(record%n)))//' '
+    n = len(name)
+    yes = .false.
+    do i = 2, len(text) - n
+      if (text(i:i + n - 1) /= lower(name)) cycle
+      yes = yes .or. (scan(text(i - 1:i - 1), LETTERS) == 0 .and. &
+                      scan(text(i + n:i + n), LETTERS) == 0)
+    end do
+  end function mentions
+
   !> Warn if a parameter has been set before under a name that differs in case, or by another record
   !! of the same PARAmeter, unless the new value is computed from the old one.
   subroutine warn_of_name(deck, record)
     type(deck_t), intent(inout) :: deck
     type(record_t), intent(in) :: record
-    character(:), allocatable :: name, earlier, value
+    character(:), allocatable :: name, earlier
     integer :: line
 
     name = record%text(1)
     call note_spelling(deck%params, name, record%line, earlier, line)
     if (.not. allocated(earlier)) return
-    value = lower(record%raw(record%first(2):record%last(record%n)))
-    if (index(value, lower(name)) > 0 .or. line == record%line) return
+    if (mentions(record, name) .or. line == record%line) return
     if (earlier /= name) then
       call warn(quoted(name)//' and '//quoted(earlier)//' are the same parameter, because case ' &
                 //'is ignored', record%place(1), 'this value replaces that of line ' &

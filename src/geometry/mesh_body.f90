@@ -34,6 +34,7 @@ module mesh_body
     type(mesh_material_t), allocatable :: material(:)
     type(constraint_t) :: constraint       !! hanging nodes, with node numbers of the file
     type(place_t) :: constraint_place
+    logical :: is_read = .false.           !! the file and all records were read without an error
   end type mesh_spec_t
 
 contains

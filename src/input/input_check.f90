@@ -100,6 +100,12 @@ contains
         call check_where(draft, draft%contact(i)%at(j))
       end do
     end do
+    do i = 1, size(draft%tie)
+      do j = 1, 2
+        if (draft%tie(i)%material(j) > 0) call check_material(draft, draft%tie(i)%material(j), &
+                                                              draft%tie(i)%place)
+      end do
+    end do
     call check_contacts(draft)
     call check_rigid(draft)
   end subroutine check_references
@@ -221,6 +227,7 @@ contains
       if (at%type == W_GROUP) call unknown_face(at%face, at%face_place, error)
     else if (lower(at%face) /= 'all') then
       associate (mesh => draft%patch(p)%mesh)
+        if (.not. mesh%is_read) return ! its groups are not known
         chosen = group_named(mesh%file, at%face, dim=2)
         if (.not. any(chosen)) then
           call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has no group ' &

@@ -57,7 +57,8 @@ contains
     type(error_t), allocatable, intent(out) :: error
     type(block_spec_t) :: spec
     type(record_t) :: line
-    logical :: more
+    logical :: more, twice
+    integer :: given(2) ! numbers of the material and of the type that the records give; 0: none
     integer :: i
 
     call check_count(record, 1, 1, "BLOCk has no options; a record 'CARTesian r s t' follows", &
@@ -71,6 +72,8 @@ contains
     end if
     call read_sizes(deck, line, spec, error)
     if (allocated(error)) return
+    given = [spec%material, 0]
+    if (.not. line%is_empty(8)) given(2) = spec%type
     do
       call next_data(draft, deck, line, more, error)
       if (allocated(error)) return
@@ -81,12 +84,19 @@ contains
         if (.not. allocated(error)) call get_integer(deck, line, 2, i, error, 8)
         if (allocated(error)) return
         spec%type = merge(BRICK_8, BRICK_27, i == 8)
+        twice = given(2) > 0 .and. given(2) /= spec%type
+        given(2) = spec%type
+        if (twice) call fail_twice(line, 'type', error)
         if (i /= 8 .and. i /= 27) call fail(error, DECK_ERROR, 'BRICk has '//to_text(i) &
                                             //' nodes', line%place(2), &
                                             'give BRICk 8 or BRICk 27')
       case ('mate')
         call check_count(line, 2, 2, 'MATErial m', error)
         if (.not. allocated(error)) call get_integer(deck, line, 2, spec%material, error)
+        if (allocated(error)) return
+        twice = given(1) > 0 .and. given(1) /= spec%material
+        given(1) = spec%material
+        if (twice) call fail_twice(line, 'material', error)
       case default
         call get_integer(deck, line, 1, i, error)
         if (allocated(error)) error%hint = "write a master node as 'i x y z'; other records are " &
@@ -119,6 +129,16 @@ contains
     call add_place(draft%places, record%place(1))
     call make_elements(draft, spec)
   end subroutine read_block
+
+  !> Fail because a record gives a block another material or type than an earlier one.
+  subroutine fail_twice(line, what, error)
+    type(record_t), intent(in) :: line
+    character(*), intent(in) :: what
+    type(error_t), allocatable, intent(out) :: error
+
+    call fail(error, DECK_ERROR, 'the '//what//' of this BLOCk is given twice', line%place(1), &
+              'keep one of the records, or the number in CARTesian')
+  end subroutine fail_twice
 
   !> Read CARTesian r s t [node1 elmt1 mat type].
   subroutine read_sizes(deck, record, spec, error)

@@ -129,11 +129,11 @@ contains
     case ('nume')
       i = NUMEL
     case ('elem')
-      i = merge(NUMEL, 0, index(record%raw, '=') > 0)
+      i = merge(NUMEL, 0, record%assigns())
     case ('numm')
       i = NUMMAT
     case ('mate')
-      i = merge(NUMMAT, 0, index(record%raw, '=') > 0)
+      i = merge(NUMMAT, 0, record%assigns())
     case ('ndm', 'dime')
       i = NDM
     case ('ndf', 'dofs')

@@ -59,6 +59,11 @@ contains
         i = i + 1
         call get_integer(deck, record, i, material, error)
         if (allocated(error)) return
+        if (material < 1) then
+          call fail(error, DECK_ERROR, 'material '//to_text(material)//' is not positive', &
+                    record%place(i), 'ELEMents,MATErial,m gives all its elements the material m')
+          return
+        end if
       case default
         call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i))//' of ELEMents', &
                   record%place(i), 'options are OLD and MATErial m')

@@ -63,6 +63,7 @@ contains
       if (.not. allocated(error)) call read_record(draft, deck, line, patch, error)
       if (allocated(error)) exit
     end do
+    patch%mesh%is_read = .not. allocated(broken)
     if (allocated(broken)) call draft%errors%add(broken)
     if (allocated(error)) return
     if (size(patch%mesh%material) == 0) then
