@@ -43,7 +43,8 @@ contains
     end do
   end subroutine follow_gaps
 
-  !> Keep the smallest gap at the positions x if it is smaller than the earlier ones.
+  !> Keep the smallest gap at the positions x if it is smaller than the earlier ones, and the
+  !! penetration of a rigid side that lies between the integration points of the other side.
   subroutine keep_gap(contact, x, step, now)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: x(:, :)      !! (3, nnode) [L]
@@ -52,6 +53,9 @@ contains
     type(start_t) :: start
 
     call look_at_start(contact, x, start)
+    if (start%unseen .and. any(start%width > 0.0_wp)) then
+      now%deepest = max(now%deepest, start%deepest/minval(start%width, start%width > 0.0_wp))
+    end if
     if (.not. start%gap < now%nearest) return
     now%nearest = start%gap
     now%x_nearest = start%x_gap
@@ -85,7 +89,9 @@ contains
           text = text//'no point of either side was ever opposite the other side and close to it'
         end if
         if (now%deepest > NOTHING) then
-          text = text//'; corners of elements penetrate by up to '//to_text(100*now%deepest, 3) &
+          text = text//'; corners of elements'
+          if (any(contact%side%rigid)) text = text//' or parts of the rigid face'
+          text = text//' penetrate by up to '//to_text(100*now%deepest, 3) &
                  //' % of the size of an element'
         end if
         if (now%deepest > VISIBLE) then

@@ -31,6 +31,7 @@ module contact_report
   !> Limits above which a warning is issued.
   real(wp), parameter :: TOO_DEEP = 0.02_wp   !! penetration, relative to the size of an element
   real(wp), parameter :: HALF = 0.5_wp        !! elastic slip, relative to the motion
+  real(wp), parameter :: ROUNDING = 1.0e-6_wp !! elastic slip that may be rounding, per element size
   real(wp), parameter :: SOFT = 0.2_wp        !! energy of penetration, relative to the work
   real(wp), parameter :: MOST = 0.5_wp        !! fraction of the bonds that break in one step
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible fraction of the largest force so far
@@ -142,10 +143,12 @@ contains
   end subroutine report_break
 
   !> Record the balance of the forces and the penetration of an accepted step. Warn if these, or the
-  !! elastic slip, show that results are wrong.
-  subroutine measure_contacts(model, state)
+  !! elastic slip, show that results are wrong. Without loads, and far below the largest one, forces
+  !! of contact consist of rounding errors, whose balance and work have no meaning.
+  subroutine measure_contacts(model, state, load)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
+    real(wp), intent(in) :: load         !! largest nodal load or reaction so far [F]
     type(resultant_t) :: side(2)
     character(:), allocatable :: hint
     real(wp) :: largest, deepest
@@ -159,7 +162,8 @@ contains
         largest = max(norm2(side(1)%force), norm2(side(2)%force))
         if (largest > now%largest_force) call follow_patch(contact, model%mesh%xr + state%u, now)
         now%largest_force = max(now%largest_force, largest)
-        if (largest > NO_FORCE*now%largest_force .and. .not. contact%self) then
+        if (load > 0.0_wp .and. largest > NO_FORCE*max(load, now%largest_force) .and. &
+            .not. contact%self) then
           now%balance = max(now%balance, norm2(side(1)%force + side(2)%force)/largest)
         end if
         deepest = 0.0_wp
@@ -196,7 +200,7 @@ contains
         end if
       end associate
     end do
-    call follow_penetration(model, state)
+    if (load > 0.0_wp) call follow_penetration(model, state)
   end subroutine measure_contacts
 
   !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
@@ -269,15 +273,18 @@ contains
   end function smallest
 
   !> Is the elastic slip of a point that sticks more than half of the largest displacement of the
-  !! two surfaces, and not negligible?
+  !! two surfaces, and not small beside the elements? If it is small, it counts if it is more than
+  !! half of the largest displacement of the model: a block that sticks to a support, for instance,
+  !! moves by its elastic slip alone where it touches it.
   pure logical function is_soft(contact, state, u) result(yes)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
     real(wp), intent(in) :: u(:, :)      !! (3, nnode) displacements [L]
-    real(wp) :: elastic, motion
+    real(wp) :: elastic, motion, all_motion
     integer :: i, k
 
     yes = .false.
+    all_motion = maxval(norm2(u, 1))
     do k = 1, 2
       if (.not. is_integrated(contact, k)) cycle
       elastic = 0.0_wp
@@ -288,8 +295,10 @@ contains
       end associate
       motion = maxval(norm2(u(:, contact%side(1)%node), 1))
       motion = max(motion, maxval(norm2(u(:, contact%side(2)%node), 1)))
-      yes = yes .or. (elastic > HALF*motion .and. &
-                      elastic > TOO_DEEP*minval(contact%side(k)%width))
+      associate (width => minval(contact%side(k)%width))
+        yes = yes .or. (elastic > HALF*motion .and. elastic > TOO_DEEP*width) .or. &
+              (elastic > HALF*all_motion .and. elastic > ROUNDING*width)
+      end associate
     end do
   end function is_soft
 

@@ -14,6 +14,7 @@ module step
   use base_log, only: log_line, warn
   use base_system, only: stop_requested
   use base_text, only: to_text
+  use boundary, only: moved_dofs
   use contact_bond, only: moves_bonds
   use contact_missed, only: follow_gaps
   use contact_pair, only: HALFPASS, MORTAR
@@ -108,6 +109,7 @@ contains
       step%loop_end = step%control%origin + (step%control%target + left)*step%control%dt
       call begin_increment(step, model, state, left)
     else
+      step%newton%constraint = path_constraint_t() ! that of the last step with TIME
       call open_step(state, state%time)
     end if
     call begin_newton(step%newton, model, step%timed .and. step%cutbacks == 0, step%secant)
@@ -480,7 +482,7 @@ contains
     call accept_solution(step%newton%asm, model, state)
     call follow_growth(model, state)
     if (jump%suspected) call report_jump(jump, model, state, step%total%jumped)
-    call measure_contacts(model, state)
+    call measure_contacts(model, state, step%total%load)
     call keep_edge_contact(model, state, share, found)
     call follow_gaps(model, state)
     if (step%timed) call take_next_dt(step, state%time)
@@ -570,7 +572,8 @@ contains
     if (.not. yes) return
     extent = maxval(maxval(model%mesh%xr, 2) - minval(model%mesh%xr, 2))
     associate (du => state%u - state%u_step)
-      prescribed = max(0.0_wp, maxval(abs(du), mask=model%bc%fixed /= 0))
+      prescribed = max(0.0_wp, maxval(abs(du), mask=model%bc%fixed /= 0 .or. &
+                                      moved_dofs(model%bc, model%mesh%nnode)))
       yes = maxval(abs(du)) > FAR*(extent + prescribed)
     end associate
   end function flies_off
