@@ -25,6 +25,7 @@ contains
     call warn_late(run)
     call warn_multipliers(run)
     call warn_late_output(run)
+    call warn_length(run)
     if (first(run, 'tran') == 0) then
       call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
                      'add TRANsient to compute with inertia, or remove MASS')
@@ -35,6 +36,23 @@ contains
       call warn_scaled(run)
     end if
   end subroutine warn_commands
+
+  !> Warn of ARCLength,LENGth without PROP, because its unknown is the time of the load tables.
+  subroutine warn_length(run)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    if (first(run, 'prop') > 0) return
+    do i = 1, size(run%program%command)
+      associate (record => run%program%command(i)%record)
+        if (record%key(1) /= 'arcl' .or. record%key(2) /= 'leng') cycle
+        call warn('ARCLength,LENGth has no effect without PROP, because it varies the time of ' &
+                  //'load tables', record%place(1), 'write PROP,,1 before the steps, and its ' &
+                  //'table after END')
+        return
+      end associate
+    end do
+  end subroutine warn_length
 
   !> Warn of elements with which a uniform acceleration causes stress if masses are lumped.
   subroutine warn_scaled(run)

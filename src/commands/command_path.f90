@@ -8,7 +8,7 @@ module command_path
   use command_step, only: finish_solved_step
   use command_type, only: run_t, command_t, command_row_t, new_row, has_number, check_fields
   use continuation_type, only: continuation_t, PATH_OFF, PATH_INERTIA, PATH_RELEASE, PATH_ARC, &
-                               BY_INERTIA
+                               BY_INERTIA, set_multiple
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use mesh, only: is_rigid
   use step, only: begin_again, return_to_load
@@ -108,7 +108,7 @@ contains
       path%density = -1.0_wp
       select case (method)
       case (PATH_ARC)
-        path%multiple = merge(x, default%multiple, x > 0.0_wp)
+        call set_multiple(path, merge(x, default%multiple, x > 0.0_wp))
       case (PATH_INERTIA)
         if (x > 0.0_wp) path%density = x
       case (PATH_RELEASE)

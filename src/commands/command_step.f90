@@ -3,6 +3,7 @@
 module command_step
   use base_agreement, only: agree
   use base_error, only: error_t
+  use base_log, only: warn
   use command_checkpoint, only: write_checkpoint, set_restart_point
   use command_files, only: open_files, write_rows, write_fields, keep_tables, cut_tables
   use command_type, only: run_t
@@ -73,11 +74,39 @@ contains
       call run%timers%start('output')
       call write_step(run, error)
       call run%timers%stop('output')
-      if (allocated(error)) return
+    else
+      call write_unsolved(run, timed, error)
     end if
+    if (allocated(error)) return
     if (short) run%program%counter = run%program%counter - 1 ! the main loop adds one
     rewound = short
   end subroutine finish_step
+
+  !> Write what PLOT and SAVE have requested in a step in which nothing was solved: its state is
+  !! that of the step before. If time has passed, there is no result of the new time.
+  subroutine write_unsolved(run, timed, error)
+    type(run_t), intent(inout) :: run
+    logical, intent(in) :: timed         !! TIME began the step
+    type(error_t), allocatable, intent(out) :: error
+    logical :: plots, saves
+
+    plots = run%plan%plot
+    saves = run%plan%save
+    run%plan%plot = .false.
+    run%plan%save = .false.
+    if (.not. (plots .or. saves)) return
+    if (timed) then
+      call warn('PLOT and SAVE write nothing in a step that TIME begins and in which nothing is ' &
+                //'solved', current_place(run%program), 'solve the step with TANG or UTAN before')
+      return
+    end if
+    if (plots) then
+      call open_files(run, error)
+      if (.not. allocated(error)) call write_fields(run, error)
+      if (allocated(error)) return
+    end if
+    if (saves) call write_checkpoint(run, error)
+  end subroutine write_unsolved
 
   !> Close the current step if a system was solved in it, because its loads and its inertia follow
   !! from earlier commands. `rewound` is true if the command that began it is executed next.

@@ -17,7 +17,7 @@ module continuation
   use inertia, only: mass_t, find_masses, energy_of_rate
   use model, only: model_t, state_t
   use solution_state, only: open_step, factor_slopes
-  use step_control, only: next_time, next_target
+  use step_control, only: next_time, next_target, NEARLY
   use step_type, only: step_t
   implicit none
   private
@@ -52,7 +52,8 @@ contains
         call constrain_release(constraint, model, state, &
                                path%release*bonded_area(model, state), limit)
       else
-        to = next_time(step%control, state%time, left, next_change(model, state), &
+        to = next_time(step%control, state%time, left, &
+                       next_change(model, state, NEARLY*step%control%dt), &
                        minval(next_extremum(state%table, state%time)))
       end if
     end associate
@@ -60,12 +61,14 @@ contains
   end subroutine begin_increment
 
   !> The next time at which a load table has a corner or friction sets in (AFTEr); huge: never.
-  pure real(wp) function next_change(model, state) result(time)
+  pure real(wp) function next_change(model, state, least) result(time)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: least        !! changes that are nearer than this do not count [T]
 
-    time = next_corner(state%table, state%time)
-    associate (past => state%time + 8*epsilon(time)*abs(state%time), after => model%contact%after)
+    time = next_corner(state%table, state%time + least)
+    associate (past => state%time + max(least, 8*epsilon(time)*abs(state%time)), &
+               after => model%contact%after)
       time = min(time, minval(after, mask=model%contact%friction%given .and. after > past))
     end associate
   end function next_change

@@ -18,7 +18,7 @@ module continuation_type
   private
   public :: continuation_t, may_leave, leave_load_control, is_quiet, is_forward, begin_trial, &
             end_trial, fail_trial, controls_release, adapt_release, cut_release, controls_arc, &
-            begin_arc, adapt_arc, note_release, runs_back, opens_again, cut_arc
+            begin_arc, set_multiple, adapt_arc, note_release, runs_back, opens_again, cut_arc
   public :: path_constraint_t, constrain_release, constrain_arc, find_measure, turns_away, &
             is_all_released
 
@@ -170,6 +170,17 @@ contains
     path%released = 0.0_wp
     path%opening = 0
   end subroutine begin_arc
+
+  !> Set the longest arc length as a multiple of the first one, which remains if arc length control
+  !! acts already.
+  pure subroutine set_multiple(path, multiple)
+    type(continuation_t), intent(inout) :: path
+    real(wp), intent(in) :: multiple
+
+    path%longest = multiple*path%shortest/SMALLEST_ARC
+    if (path%active == BY_ARC) path%length = min(path%length, path%longest)
+    path%multiple = multiple
+  end subroutine set_multiple
 
   !> Set the arc length of the next step from the number of iterations of the previous one and the
   !! fraction of the bonds that it released.

@@ -25,8 +25,9 @@ module step_control
   end type step_control_t
 
   !> A corner of a load table that is nearer to a target than this, relative to dt, counts as equal
-  !! to it.
-  real(wp), parameter :: NEARLY = 1.0e-9_wp
+  !! to it. A DT such as 0.3333333 misses corners by more than rounding, and a step of the remaining
+  !! length would divide rounding errors of displacements by its square (inertia).
+  real(wp), parameter, public :: NEARLY = 1.0e-6_wp
   integer, parameter :: FEW = 6      !! the next step may grow after at most so many iterations
   integer, parameter :: FAIR = 10    !! largest such number for a step smaller than dt
   integer, parameter :: MANY = 15    !! the next step is smaller after more iterations than this
