@@ -44,7 +44,8 @@ contains
     call map_field(result%view, model%mesh%xr, xr)
     call open_vtkhdf(result%hdf, stem//'.vtkhdf', result%view, xr, info, error, keep, result%names)
     if (allocated(error)) return
-    call open_series(result%series, stem, keep)
+    call open_series(result%series, stem, error, keep)
+    if (allocated(error)) return
     if (allocated(result%hdf%names)) result%names = result%hdf%names
   end subroutine open_result
 
@@ -52,8 +53,9 @@ contains
   subroutine remove_result(stem)
     character(*), intent(in) :: stem !! folder and name
     type(vtu_series_t) :: series
+    type(error_t), allocatable :: ignored ! nothing is written
 
-    call open_series(series, stem)
+    call open_series(series, stem, ignored)
     call remove_file(stem//'.vtkhdf')
   end subroutine remove_result
 
@@ -63,9 +65,10 @@ contains
     integer, allocatable, intent(out) :: number(:)
     real(wp), allocatable, intent(out) :: time(:) !! [T]
     type(vtu_series_t) :: series
+    type(error_t), allocatable :: ignored ! nothing is written
 
     call read_steps(stem//'.vtkhdf', number, time)
-    call open_series(series, stem, huge(1)) ! keeps all steps
+    call open_series(series, stem, ignored, huge(1)) ! keeps all steps
     number = [number, series%step]
     time = [time, series%time]
   end subroutine find_steps

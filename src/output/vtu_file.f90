@@ -26,16 +26,20 @@ module vtu_file
 
 contains
 
-  !> Begin a series of files. An old series is removed, or its steps up to number `keep` are kept.
-  subroutine open_series(series, stem, keep)
+  !> Begin a series of files. An old series is removed, or its steps up to number `keep` are kept,
+  !! and the list is shortened at once.
+  subroutine open_series(series, stem, error, keep)
     type(vtu_series_t), intent(out) :: series
     character(*), intent(in) :: stem
+    type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep
     character(1024) :: line
     integer :: unit, status, step, last
     real(wp) :: time
+    logical :: shortened
 
     series%stem = stem
+    shortened = .false.
     allocate (series%step(0), series%time(0))
     last = -1
     if (present(keep)) last = keep
@@ -51,10 +55,15 @@ contains
         series%time = [series%time, time]
       else
         call remove_file(file_name(stem, step))
+        shortened = .true.
       end if
     end do
     close (unit)
-    if (size(series%step) == 0) call remove_file(stem//'.pvd')
+    if (size(series%step) == 0) then
+      call remove_file(stem//'.pvd')
+    else if (shortened) then
+      call write_list(series, error)
+    end if
   end subroutine open_series
 
   !> Read the step and the time in a line of a `.pvd` file that this module wrote.
@@ -88,8 +97,7 @@ contains
     type(field_t), intent(in) :: field(:)
     type(error_t), allocatable, intent(out) :: error
     type(byte_file_t) :: file
-    character(:), allocatable :: path, text
-    character(32) :: number
+    character(:), allocatable :: path
     integer :: i
 
     path = file_name(series%stem, step)
@@ -111,7 +119,17 @@ contains
     end do
     series%time = [pack(series%time, series%step < step), time]
     series%step = [pack(series%step, series%step < step), step]
-    ! The list names the files without their folder, so that the results can be moved.
+    call write_list(series, error)
+  end subroutine append_series
+
+  !> Write the list of the files. It names them without their folder, so that results can be moved.
+  subroutine write_list(series, error)
+    type(vtu_series_t), intent(in) :: series
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path, text
+    character(32) :: number
+    integer :: i
+
     text = '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">'//LF// &
            '<Collection>'//LF
     do i = 1, size(series%step)
@@ -122,7 +140,7 @@ contains
     end do
     text = text//'</Collection>'//LF//'</VTKFile>'//LF
     call write_whole(series%stem//'.pvd', text, error)
-  end subroutine append_series
+  end subroutine write_list
 
   !> The XML part of a file. The arrays have the order of write_numbers.
   function header(view, field) result(text)
