@@ -89,9 +89,7 @@ contains
           text = text//'no point of either side was ever opposite the other side and close to it'
         end if
         if (now%deepest > NOTHING) then
-          text = text//'; corners of elements'
-          if (any(contact%side%rigid)) text = text//' or parts of the rigid face'
-          text = text//' penetrate by up to '//to_text(100*now%deepest, 3) &
+          text = text//'; corners of elements penetrate by up to '//to_text(100*now%deepest, 3) &
                  //' % of the size of an element'
         end if
         if (now%deepest > VISIBLE) then

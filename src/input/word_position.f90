@@ -131,7 +131,8 @@ contains
     if (all(r%word /= [R_EBOU, R_CBOU]) .or. any(nint(r%value) /= 0)) return
     if (.not. line%has_digits_only(first)) return ! the value of a parameter
     call warn('this record of '//merge('EBOUndary', 'CBOUndary', r%word == R_EBOU) &
-              //' restrains no direction and has no effect', line%place(1), 'a code that is not 0 restrains its direction')
+              //' restrains no direction and has no effect', line%place(1), &
+              'a code that is not 0 restrains its direction')
   end subroutine warn_no_restraint
 
   !> Names of the three values of a record.

@@ -26,7 +26,7 @@ class Settings(Folder):
         for settings, elements in (((), 18), (("--set", "n=2"), 8), (("--set", "k=3"), 45)):
             done = self.run_bezel(*settings, "--check", "box.inp")
             self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertIn(f"{elements} elements", done.stdout)
+            self.assertIn(f"elements   {elements} Q1", done.stdout)
 
 
 class Output(Folder):
