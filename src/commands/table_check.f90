@@ -107,6 +107,7 @@ contains
     type(model_t), intent(in) :: model
     integer, intent(in) :: ntable      !! number of tables that PROPs define
     character(*), parameter :: OWN = 'give it a load table of its own with '
+    logical, allocatable :: sums(:, :) ! (3, nnode) no record gives the load number
     integer :: i
 
     associate (bc => model%bc)
@@ -132,12 +133,13 @@ contains
           call say('PRESsure', bc%dead(i)%place, OWN//'PROP k')
         end if
       end do
-      if (has_nodal_numbers(bc)) return ! FPRO or EPRO give all load numbers of nodes, even if 0
-      if (any(abs(bc%force) > 0.0_wp)) then
+      if (.not. allocated(bc%numbered)) return
+      sums = bc%table == 0 .and. .not. spread(bc%numbered, 1, 3) ! FPRO and EPRO may mean a 0
+      if (any(abs(bc%force) > 0.0_wp .and. sums)) then
         call say('a nodal force (FORCe, EFORce, CFORce or CSURface)', &
                  hint=OWN//'FPROportional or EPROportional')
       end if
-      if (any(abs(bc%value) > 0.0_wp .and. bc%fixed /= 0)) then
+      if (any(abs(bc%value) > 0.0_wp .and. bc%fixed /= 0 .and. sums)) then
         call say('DISPlacement', hint=OWN//'FPROportional or EPROportional')
       end if
     end associate

@@ -101,6 +101,7 @@ contains
     first = text%at
     do while (text%at <= len(text%all))
       if (is_blank(text%all(text%at:text%at))) exit
+      if (text%comment /= ' ' .and. text%all(text%at:text%at) == text%comment) exit
       text%at = text%at + 1
     end do
     word = text%all(first:text%at - 1)

@@ -196,7 +196,10 @@ contains
 
     allocate (yes(0))
     if (.not. allocated(file%group)) return
-    yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
+    yes = [(file%group(g)%name == name, g=1, size(file%group))]
+    if (.not. any(yes)) then
+      yes = [(lower(file%group(g)%name) == lower(name), g=1, size(file%group))]
+    end if
     if (any(yes .and. file%group%named)) then
       yes = yes .and. file%group%named
     else if (present(dim)) then

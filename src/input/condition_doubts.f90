@@ -9,12 +9,14 @@ module condition_doubts
   use input_conditions, only: kind_of, mark, mark_active, NODAL_WORDS, WORDS
   use input_draft, only: draft_t, C_FIXED, C_VALUE, C_TABLE
   use input_plane, only: warn_inside
+  use input_twice, only: same_place, is_repeated, warn_repeated
   use input_where, only: W_PLANE
   use mesh, only: mesh_t
-  use word_position, only: R_EBOU, R_EDIS, R_CBOU, R_CDIS
+  use word_position, only: R_EBOU, R_EDIS, R_CBOU, R_CDIS, R_CFOR, R_CSUR
   implicit none
   private
-  public :: warn_supports_kept, warn_added, warn_planes_inside, warn_unused, note_loose
+  public :: warn_supports_kept, warn_added, warn_planes_inside, warn_unused, &
+            warn_same_nodes, note_loose
 
 contains
 
@@ -140,6 +142,37 @@ contains
     end function is_free
 
   end subroutine warn_planes_inside
+
+  !> Warn, once for each word, about a point whose nearest node is also that of another point of its
+  !! word, and whose values replace or repeat those of the other point.
+  subroutine warn_same_nodes(draft, mesh, new)
+    type(draft_t), intent(in) :: draft
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: new(:)      !! (nnode) the node that replaces each node after TIE
+    integer, allocatable :: giver(:, :) ! (nnode, word) the last record that finds a node; 0: none
+    logical, allocatable :: active(:), on(:)
+    logical :: told(R_CSUR)
+    integer :: i, j
+
+    if (draft%ncondition == 0) return
+    call mark_active(draft, mesh, active)
+    allocate (giver(size(new), R_CSUR), source=0)
+    told = .false.
+    do i = 1, draft%ncondition
+      associate (r => draft%condition(i))
+        if (all(r%word /= [R_CBOU, R_CFOR, R_CDIS]) .or. allocated(r%surface)) cycle
+        call mark(mesh, r, active, on)
+        on(pack(new, on)) = .true.
+        j = maxval(giver(:, r%word), on)
+        where (on) giver(:, r%word) = i
+        if (j <= 0 .or. told(r%word)) cycle
+        if (same_place(r, draft%condition(j))) cycle ! reported by warn_repeated_conditions
+        if (.not. is_repeated(r, draft%condition(j))) cycle
+        told(r%word) = .true.
+        call warn_repeated(r, draft%condition(j), 'the same node')
+      end associate
+    end do
+  end subroutine warn_same_nodes
 
   !> Warn about restraints, displacements and load numbers that have no effect, because the nodes
   !! that BOUN, DISP and FPRO name, or all nodes that a record by position finds, belong to no

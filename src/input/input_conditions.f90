@@ -59,10 +59,12 @@ contains
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
     allocate (bc%value(3, mesh%nnode), bc%force(3, mesh%nnode), source=0.0_wp)
+    allocate (bc%numbered(mesh%nnode), source=.false.)
     if (allocated(draft%nodes%given)) then
       n = min(mesh%nnode, size(draft%nodes%given))
       bc%fixed(:, :n) = abs(draft%nodes%code(:, :n))
       bc%table(:, :n) = draft%nodes%table(:, :n)
+      bc%numbered(:n) = draft%nodes%numbered(:n)
       bc%value(:, :n) = draft%nodes%value(:, :n)
       bc%force(:, :n) = draft%nodes%force(:, :n)
     end if
@@ -150,6 +152,7 @@ contains
           end where
         end if
         where (takes) bc%table(:, m) = bc%table(:, n)
+        bc%numbered(m) = bc%numbered(m) .or. bc%numbered(n)
         acts(:, m) = acts(:, m) .or. acts(:, n)
         where (.not. abs(bc%value(:, m)) > 0.0_wp) bc%value(:, m) = bc%value(:, n)
         bc%fixed(:, m) = max(bc%fixed(:, m), bc%fixed(:, n))
@@ -277,6 +280,7 @@ contains
         bc%force(:, n) = r%value + merge(bc%force(:, n), 0.0_wp, r%adds)
       case default
         bc%table(:, n) = abs(nint(r%value))
+        bc%numbered(n) = .true.
         if (allocated(bc%rival)) bc%rival(:, n) = -1
       end select
     end do

@@ -110,9 +110,10 @@ contains
   !! forces in directions that supports or motions prescribe, if FORCe gives one of these forces or
   !! if all nodal forces act in such directions; and about pressures on faces all of whose nodes are
   !! prescribed. Such loads only change reactions.
-  subroutine warn_idle_loads(draft, mesh, bc)
+  subroutine warn_idle_loads(draft, mesh, tied, bc)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: tied(:)         !! (nnode) the node that replaces each node after TIE
     type(boundary_t), intent(in) :: bc
     real(wp), allocatable :: f(:, :)
     logical, allocatable :: held(:, :), acts(:, :)
@@ -140,7 +141,7 @@ contains
       text = to_text(n)//' of '//to_text(count(acts))//' nodal forces act in directions in ' &
              //'which supports or MOVE prescribe the motion, first at node ' &
              //to_text(findloc(any(acts .and. held, 1), .true., 1))
-      if (n == count(acts) .or. any_given(draft, held)) then
+      if (n == count(acts) .or. any_given(draft, held(:, tied))) then
         call warn(text, hint='such forces only change reactions: compare FORC, EFOR, CFOR and ' &
                   //'CSUR with BOUN, EBOU, CBOU, FIX and MOVE')
       else ! a loaded plane often ends at a support

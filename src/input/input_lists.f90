@@ -26,6 +26,7 @@ module input_lists
     integer, allocatable :: named(:)
     real(wp), allocatable :: value(:, :)     !! (3, n) DISP [L]
     integer, allocatable :: table(:, :)      !! (3, n) FPRO
+    logical, allocatable :: numbered(:)      !! (n) FPRO gives `table`, also by generation
     type(place_t) :: disp                    !! place of the first record of DISP
     !> (4, n) how many records by position (condition_entry_t) precede the last record of BOUN, of
     !! DISP, of FORC and of FPRO that gives the node a value other than 0.
@@ -68,6 +69,7 @@ contains
     call grow(list%named, n)
     call grow(list%value, 3, n)
     call grow(list%table, 3, n)
+    call grow(list%numbered, n)
     call grow(list%after, 4, n)
   end subroutine grow_nodes
 

@@ -3,7 +3,7 @@ module input_model
   use base_error, only: error_t, fail, DECK_ERROR, error_list_t
   use base_text, only: to_text, quoted, nearest
   use condition_doubts, only: warn_supports_kept, warn_added, warn_unused, warn_planes_inside, &
-                              note_loose
+                              warn_same_nodes, note_loose
   use deck_feap, only: mesh_hint
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
@@ -74,6 +74,7 @@ contains
         call warn_increments(draft)
         call find_tied(draft, mesh, tied)
         call warn_repeated_conditions(draft)
+        call warn_same_nodes(draft, mesh, tied)
         call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
@@ -101,7 +102,7 @@ contains
         call warn_twisted(draft, mesh)
         call warn_locking(draft, mesh)
         call note_idle_materials(draft, mesh)
-        call warn_idle_loads(draft, mesh, bc)
+        call warn_idle_loads(draft, mesh, tied, bc)
         call place_origin(mesh)
         call build_contacts(draft, draft%model)
         if (draft%errors%count() > 0) exit stages

@@ -9,7 +9,8 @@ module input_twice
   use word_position, only: R_EDIS, R_EFOR, R_CBOU, R_CFOR, R_CDIS, R_CSUR
   implicit none
   private
-  public :: replaced_t, note_replaced, warn_replaced, warn_node_twice, warn_repeated_conditions
+  public :: replaced_t, note_replaced, warn_replaced, warn_node_twice, warn_repeated_conditions, &
+            same_place, is_repeated, warn_repeated
 
   !> The elements that a word replaces.
   type :: replaced_t
@@ -75,7 +76,7 @@ contains
         if (.not. same_place(draft%condition(i), draft%condition(j))) cycle
         if (is_repeated(draft%condition(i), draft%condition(j))) exit
       end do
-      if (j < i) call warn_repeated(draft%condition(i), draft%condition(j))
+      if (j < i) call warn_repeated(draft%condition(i), draft%condition(j), 'the same place')
     end do
   end subroutine warn_repeated_conditions
 
@@ -121,8 +122,9 @@ contains
   end function is_repeated
 
   !> Warn about record r, which repeats record s.
-  subroutine warn_repeated(r, s)
+  subroutine warn_repeated(r, s, at)
     type(condition_entry_t), intent(in) :: r, s
+    character(*), intent(in) :: at     !! where both act, such as: the same place
     character(*), parameter :: NAME(5) = ['EDISplacement', 'EFORce       ', 'CBOUndary    ', &
                                           'CFORce       ', 'CDISplacement']
     character(:), allocatable :: word, line
@@ -135,10 +137,10 @@ contains
     end if
     word = trim(NAME(findloc([R_EDIS, R_EFOR, R_CBOU, R_CFOR, R_CDIS], r%word, 1)))
     if (r%adds) then
-      call warn('this '//word//' adds its values to those'//line//' at the same place', r%place, &
+      call warn('this '//word//' adds its values to those'//line//' at '//at, r%place, &
                 'remove one of the records, or give the sum in one record')
     else
-      call warn('this '//word//' replaces the values given'//line//' at the same place', r%place, &
+      call warn('this '//word//' replaces the values given'//line//' at '//at, r%place, &
                 'remove one of the records, or write '//word//',ADD to keep both')
     end if
   end subroutine warn_repeated

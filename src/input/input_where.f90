@@ -412,6 +412,9 @@ contains
 
     g = 0
     if (.not. allocated(body%group)) return
+    do g = size(body%group), 1, -1 ! names may differ only in case
+      if (body%group(g)%name == name) return
+    end do
     do g = size(body%group), 1, -1
       if (lower(body%group(g)%name) == lower(name)) return
     end do

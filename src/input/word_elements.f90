@@ -45,7 +45,7 @@ contains
     type(element_t), allocatable :: rows(:)
     type(replaced_t) :: replaced
     logical :: more, old
-    integer :: i, material
+    integer :: i, material ! 0: not given
 
     call load_elements(rows)
     old = .false.
@@ -56,6 +56,11 @@ contains
       case ('old')
         old = .true.
       case ('mate')
+        if (material > 0) then
+          call fail(error, DECK_ERROR, 'duplicate option MATErial of ELEMents', record%place(i), &
+                    'keep one of them')
+          return
+        end if
         i = i + 1
         call get_integer(deck, record, i, material, error)
         if (allocated(error)) return

@@ -203,6 +203,7 @@ contains
       associate (table => draft%nodes%table)
         zero = zero .and. all(number == 0 .and. table(:, n) == 0) .and. line%has_digits_only(3)
         table(:, n) = abs(number)
+        draft%nodes%numbered(n) = .true.
         draft%nodes%named(n) = ibset(draft%nodes%named(n), C_TABLE)
         call note_order(draft, C_TABLE, n, any(number /= 0))
         if (last == 0 .or. last_step == 0) cycle
@@ -215,6 +216,7 @@ contains
             if (again == 0 .and. any(table(:, i) > 0)) again = i
           end if
           table(:, i) = table(:, last)
+          draft%nodes%numbered(i) = .true.
           call note_order(draft, C_TABLE, i, any(table(:, i) > 0))
         end do
         if (again > 0) then

@@ -44,6 +44,15 @@ contains
     r%adds = any(r%word == [R_EBOU, R_EDIS, R_EFOR])
     call check_count(record, 1, 2, record%text(1)//' [ADD or SET]; its data follow', error)
     if (allocated(error) .or. record%is_empty(2)) return
+    if (r%word == R_CSUR .and. record%key(2) == 'set') then
+      call fail(error, DECK_ERROR, 'CSURface has no option SET', record%place(2), &
+                'the pressures of all surfaces add up: remove the records that shall not act')
+      return
+    else if (r%word == R_EPRO .and. record%key(2) == 'add') then
+      call fail(error, DECK_ERROR, 'EPROportional has no option ADD', record%place(2), &
+                'load numbers are not added: a later record replaces an earlier one')
+      return
+    end if
     select case (record%key(2))
     case ('add')
       r%adds = .true.

@@ -52,6 +52,7 @@ module boundary
     real(wp), allocatable :: force(:, :) !! (3, nnode) nodal force at factor 1 [F] (FORC, EFOR,
     !! CFOR, and the forces of CSUR)
     integer, allocatable :: table(:, :) !! (3, nnode) load number of value and force (FPRO, EPRO)
+    logical, allocatable :: numbered(:)       !! (nnode) FPRO or EPRO gives the load numbers
     type(motion_t), allocatable :: motion(:)
     type(pressure_t), allocatable :: pressure(:)
     type(dead_load_t), allocatable :: dead(:) !! integrated body forces and dead pressures
