@@ -227,6 +227,13 @@ contains
                     //'that is not the first one ends the table (FEAP), so that the factor of ' &
                     //'this table would be constant')
         end if
+        if (done .and. table%t(size(table%t)) < 0.0_wp) then
+          call fail(error, DECK_ERROR, 'the pair 0 0 would end the table after time ' &
+                    //to_text(table%t(size(table%t)))//' (FEAP)', record%place(i), 'if the factor ' &
+                    //'0 at time 0 is meant, write a time such as 1e-12; otherwise end the table ' &
+                    //'with a blank record')
+          return
+        end if
         if (done) then
           if (.not. allocated(error)) call check_rest(deck, record, i + 2, error)
           return

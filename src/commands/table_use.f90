@@ -119,7 +119,8 @@ contains
   end subroutine warn_tables
 
   !> Warn if a PROP, after steps have been closed, replaces a table by one with another factor at
-  !! the present time: the loads then jump in the next step.
+  !! the present time: the loads then jump in the next step. Warn too if it replaces another table
+  !! before the first step, which then never acts.
   subroutine warn_jump(run, k, new, place)
     type(run_t), intent(in) :: run
     integer, intent(in) :: k               !! number of the table
@@ -128,9 +129,16 @@ contains
     type(use_t), allocatable :: uses(:)
     real(wp) :: before, after
 
-    if (run%state%step == 0 .or. k > size(run%state%table)) return
+    if (k > size(run%state%table)) return
     associate (old => run%state%table(k))
       if (old%kind == 1 .and. .not. old%tmax > old%tmin) return ! no PROP has defined it
+      if (run%state%step == 0) then
+        if (.not. equal(old, new)) then
+          call warn('PROP defines load table '//to_text(k)//' again before the first step, so the ' &
+                    //'first table never acts', place, 'give one of them another number: PROP,,k')
+        end if
+        return
+      end if
       before = table_factor(old, run%state%time)
     end associate
     after = table_factor(new, run%state%time)
@@ -141,6 +149,19 @@ contains
               //': its factor changes from '//to_text(before)//' to '//to_text(after), place, &
               'let the new table begin with the current factor, or use one table for all steps')
   end subroutine warn_jump
+
+  !> Have two tables the same data?
+  pure logical function equal(a, b)
+    type(load_table_t), intent(in) :: a, b
+
+    equal = a%kind == b%kind .and. a%power == b%power .and. abs(a%tmin - b%tmin) <= 0.0_wp .and. &
+            abs(a%tmax - b%tmax) <= 0.0_wp .and. all(abs(a%a - b%a) <= 0.0_wp) .and. &
+            (allocated(a%t) .eqv. allocated(b%t))
+    if (equal .and. allocated(a%t)) equal = size(a%t) == size(b%t)
+    if (equal .and. allocated(a%t)) then
+      equal = all(abs(a%t - b%t) <= 0.0_wp) .and. all(abs(a%p - b%p) <= 0.0_wp)
+    end if
+  end function equal
 
   !> After a step, warn about formulas whose range has ended, once for each table, and about a peak
   !! or trough of a table that the steps miss, once in a run.
@@ -169,7 +190,9 @@ contains
             if (uses(u)%table /= 0 .and. uses(u)%table /= k) cycle
             call watch_corners(run, k)
             call watch_extremum(run, k)
+            if (uses(u)%table == 0) call watch_shared_end(run, k)
             if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
+            if (uses(u)%table == 0 .and. is_followed(state%table, k)) cycle
             plan%ended(k) = has_ended(state%table(k), state%time)
             if (plan%ended(k)) call warn('load table '//to_text(k)//' ends at time ' &
                                          //to_text(state%table(k)%tmax)//', so its factor is 0 ' &
@@ -182,6 +205,40 @@ contains
       end do
     end associate
   end subroutine watch_tables
+
+  !> Does another table of the sum act after the range of table k?
+  pure logical function is_followed(table, k)
+    type(load_table_t), intent(in) :: table(:)
+    integer, intent(in) :: k
+    integer :: j
+
+    is_followed = any([(j /= k .and. (table(j)%kind /= 1 .or. table(j)%tmax > table(k)%tmax), &
+                        j=1, size(table))])
+  end function is_followed
+
+  !> Warn if a step ends where the range of table k ends and that of another formula begins: both
+  !! ends belong to the ranges, so both factors count in the sum.
+  subroutine watch_shared_end(run, k)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: k
+    integer :: j
+
+    associate (state => run%state, table => run%state%table)
+      if (run%plan%corner_warned .or. table(k)%kind /= 1) return
+      if (abs(state%time - table(k)%tmax) > 0.0_wp) return
+      do j = 1, size(table)
+        if (j == k .or. table(j)%kind /= 1 .or. abs(table(j)%tmin - state%time) > 0.0_wp) cycle
+        if (.not. abs(state%factor(j)*state%factor(k)) > 0.0_wp) cycle
+        run%plan%corner_warned = .true.
+        call warn('at time '//to_text(state%time)//' load table '//to_text(k)//' ends and load ' &
+                  //'table '//to_text(j)//' begins, and both factors count in the sum of the ' &
+                  //'tables: '//to_text(state%factor(k))//' and '//to_text(state%factor(j)), &
+                  run%program%command(run%program%prop_at(j))%record%place(1), 'let the first ' &
+                  //'table end shortly before this time, or use one table of type 2')
+        return
+      end do
+    end associate
+  end subroutine watch_shared_end
 
   !> Is the time beyond the range of a formula that does not go to zero at its end?
   pure logical function has_ended(table, time) result(ended)
@@ -203,32 +260,43 @@ contains
                                         + 0.1_wp*i*(table%tmax - table%tmin))), i=0, 10)])
   end function largest_factor
 
-  !> Warn about a peak or a trough of a table of pairs that lies inside the step, or in the time
+  !> Warn about a peak or a trough at a corner of a table (a pair, or an end of the range of a
+  !! formula) that lies inside the step, or in the time
   !! since the previous step if a TIME was not followed by a solve. Automatic steps end at corners,
   !! but a TIME without a solve may have ended at one.
   subroutine watch_corners(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
     character(:), allocatable :: text, hint
+    real(wp), allocatable :: t(:), p(:)
     real(wp) :: start, until, gap, ends(2), range
     integer :: i
 
     associate (state => run%state, table => run%state%table(k))
-      if (run%plan%corner_warned .or. table%kind /= 2 .or. .not. state%dt > 0.0_wp) return
+      if (run%plan%corner_warned .or. .not. state%dt > 0.0_wp) return
+      if (table%kind == 2) then
+        t = table%t
+        p = table%p
+      else if (table%kind == 1 .and. table%tmax > table%tmin) then
+        t = [table%tmin, table%tmax]
+        p = [table_factor(table, table%tmin), table_factor(table, table%tmax)]
+      else
+        return
+      end if
       start = state%time - state%dt
       gap = 1.0e-6_wp*state%dt
       until = state%time - gap
       if (run%step%control%automatic) until = start + gap
       start = min(start, run%plan%closed_at)
       ends = [table_factor(table, start), table_factor(table, state%time)]
-      do i = 1, size(table%t)
-        if (table%t(i) <= start + gap .or. table%t(i) >= until) cycle
-        range = 1.0e-6_wp*max(maxval(abs(ends)), abs(table%p(i)))
-        if (table%p(i) <= maxval(ends) + range .and. table%p(i) >= minval(ends) - range) cycle
+      do i = 1, size(t)
+        if (t(i) <= start + gap .or. t(i) >= until) cycle
+        range = 1.0e-6_wp*max(maxval(abs(ends)), abs(p(i)))
+        if (p(i) <= maxval(ends) + range .and. p(i) >= minval(ends) - range) cycle
         run%plan%corner_warned = .true.
-        text = 'load table '//to_text(k)//' reaches '//to_text(table%p(i))//' at time ' &
-               //to_text(table%t(i))//', '
-        if (table%t(i) < state%time - state%dt + gap) then
+        text = 'load table '//to_text(k)//' reaches '//to_text(p(i))//' at time ' &
+               //to_text(t(i))//', '
+        if (t(i) < state%time - state%dt + gap) then
           text = text//'which a TIME without a solve skips'
           hint = 'solve after each TIME'
         else
@@ -243,27 +311,41 @@ contains
     end associate
   end subroutine watch_corners
 
-  !> Warn about an extremum of the sine of a formula that lies inside the step and is missed by more
-  !! than a tenth of the amplitude.
+  !> Warn about an extremum of the sine of a formula that lies inside the step, or in the time since
+  !! the previous step if a TIME was not followed by a solve, and is missed by more than a tenth of
+  !! the amplitude. The second extremum in this time may be missed by more than the first one.
   subroutine watch_extremum(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
     real(wp), parameter :: MISSED = 0.1_wp
-    real(wp) :: ends(2), peak, time
+    character(:), allocatable :: text, hint
+    real(wp) :: ends(2), peak, start, time
+    integer :: i
 
     associate (state => run%state, table => run%state%table(k))
       if (run%plan%corner_warned .or. .not. state%dt > 0.0_wp) return
-      time = next_extremum(table, state%time - state%dt)
-      if (.not. time < state%time) return
-      ends = [table_factor(table, state%time - state%dt), table_factor(table, state%time)]
-      peak = table_factor(table, time)
-      if (max(peak - maxval(ends), minval(ends) - peak) <= MISSED*abs(table%a(3))) return
+      start = min(state%time - state%dt, run%plan%closed_at)
+      ends = [table_factor(table, start), table_factor(table, state%time)]
+      time = start
+      do i = 1, 2
+        time = next_extremum(table, time)
+        if (.not. time < state%time) return
+        peak = table_factor(table, time)
+        if (max(peak - maxval(ends), minval(ends) - peak) > MISSED*abs(table%a(3))) exit
+      end do
+      if (i > 2) return
       run%plan%corner_warned = .true.
-      call warn('load table '//to_text(k)//' reaches '//to_text(peak)//' at time ' &
-                //to_text(time)//', inside step '//to_text(state%step)//', which ends at time ' &
-                //to_text(state%time)//'; this value is never applied', &
-                run%program%command(run%program%prop_at(k))%record%place(1), &
-                'choose DT so small that a period of the sine has at least ten steps')
+      text = 'load table '//to_text(k)//' reaches '//to_text(peak)//' at time '//to_text(time)
+      if (time < state%time - state%dt) then
+        text = text//', which a TIME without a solve skips'
+        hint = 'solve after each TIME'
+      else
+        text = text//', inside step '//to_text(state%step)//', which ends at time ' &
+               //to_text(state%time)
+        hint = 'choose DT so small that a period of the sine has at least ten steps'
+      end if
+      call warn(text//'; this value is never applied', run%program%command( &
+                run%program%prop_at(k))%record%place(1), hint)
     end associate
   end subroutine watch_extremum
 
