@@ -12,6 +12,7 @@ module command_path
   use dynamics_type, only: new_dynamics, BACKWARD_EULER, NEWMARK, HHT
   use mesh, only: is_rigid
   use step, only: begin_again, return_to_load
+  use uneven_steps, only: warn_scheme
   implicit none
   private
   public :: path_rows
@@ -185,6 +186,9 @@ contains
     associate (dynamics => run%state%dynamics)
       if (.not. (off .or. dynamics%on .or. dynamics%continues)) then
         call new_dynamics(dynamics, run%model%mesh%nnode)
+      end if
+      if (.not. off .and. (dynamics%on .or. dynamics%continues)) then
+        call warn_scheme(run%model, run%state, method, command%record%place(1))
       end if
       dynamics%on = .not. off
       if (off) return

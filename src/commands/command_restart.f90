@@ -16,6 +16,7 @@ module command_restart
   use restart_file, only: fingerprint_t, make_fingerprint, read_checkpoint
   use solution_state, only: new_state, set_factors
   use step_control, only: set_dt
+  use uneven_steps, only: warn_scheme
   implicit none
   private
   public :: restart_rows
@@ -99,8 +100,11 @@ contains
     associate (dynamics => run%state%dynamics)
       stops = dynamics%on .and. dynamics%density < 0.0_wp ! otherwise the continuation added inertia
       if (allocated(dynamics%v) .and. .not. stops) call new_dynamics(dynamics, size(dynamics%v, 2))
+      if (stops .and. deck%on) then
+        call warn_scheme(run%model, run%state, deck%method, command%record%place(1))
+      end if
       dynamics%on = deck%on
-      dynamics%method = deck%method
+      if (deck%on .or. .not. stops) dynamics%method = deck%method ! otherwise a TRANsient follows
       dynamics%lumped = deck%lumped
       dynamics%beta = deck%beta
       dynamics%gamma = deck%gamma
