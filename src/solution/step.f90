@@ -48,6 +48,8 @@ module step
   !> A body counts as lost if its displacement in a step is larger than this, relative to the size
   !! of the model plus the largest prescribed displacement.
   real(wp), parameter :: FAR = 2.0_wp
+  !> Displacements in a step without TIME that count as none, relative to the largest displacement.
+  real(wp), parameter :: AT_REST = 1.0e-6_wp
   !> Number of iterations in which the cells of the mortar scheme still change; these iterations do
   !! not influence the size of the next step.
   integer, parameter :: SETTLING = 2
@@ -477,6 +479,7 @@ contains
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
     call find_uneven(model, state, step%total%uneven)
+    call warn_still(state, place, step%total%untimed)
     call warn_untimed(model, state, step%total%untimed)
     call begin_motion(step%newton%asm, model, state)
     call accept_solution(step%newton%asm, model, state)
@@ -517,6 +520,30 @@ contains
               //'VISCous know only the DT of each step that is solved, so the time before it is ' &
               //'lost', place, 'let TANG or UTAN follow each TIME, or use a larger DT')
   end subroutine warn_lost_time
+
+  !> Warn once if a motion (TRANsient) goes on after a step without TIME that has moved bodies: this
+  !! step was a static solve, and their velocities are those before it. Static steps before and after
+  !! a motion may be meant.
+  subroutine warn_still(state, place, warned)
+    type(state_t), intent(in) :: state
+    type(place_t), intent(in) :: place
+    logical, intent(inout) :: warned
+    real(wp) :: moved
+
+    associate (dynamics => state%dynamics)
+      if (warned .or. .not. dynamics%on .or. dynamics%density >= 0.0_wp) return
+      if (state%last_dt > 0.0_wp .or. .not. state%dt > 0.0_wp) return
+      if (.not. any(abs(dynamics%v) > 0.0_wp)) return
+    end associate
+    moved = maxval(abs(state%last_increment))
+    if (moved <= AT_REST*maxval(abs(state%u_step))) return
+    warned = .true.
+    call warn('the motion of TRANsient goes on after step '//to_text(state%step - 1)//', which ' &
+              //'TIME did not begin: that step had no inertia and moved bodies to static ' &
+              //'equilibrium, but they keep the velocities that they had before it', place, &
+              'let TIME begin each step of the motion; write TRANsient,OFF before a static step ' &
+              //'if the bodies are to start from rest after it')
+  end subroutine warn_still
 
   !> Warn once if bonds with VISCous move in a step in which time does not increase. Their traction
   !! is then that of the law without VISCous, because there is no rate.
