@@ -4,7 +4,7 @@ module command_loop
   use base_text, only: to_text
   use command_step, only: take_outcome, finish_step
   use command_type, only: run_t, command_t, command_row_t, loop_t, new_row
-  use program_position, only: may_pass_targets
+  use program_position, only: has_data, may_pass_targets
   use step, only: cut_step, STEP_REWOUND
   use step_control, only: on_target
   implicit none
@@ -72,8 +72,9 @@ contains
         return
       end if
       program%loop = program%loop(:top - 1)
-      ! The last pass of a loop over time ends like the others: closing the step tests it.
+      ! The last pass of a loop over time or data ends like the others: closing the step tests it.
       if (.not. (control%automatic .and. opening%solves) .or. opening%holds_time) return
+      if (has_data(program, command%matching)) return
     end associate
     if (.not. run%step%solved .or. run%step%newton%converged) return
     call cut_step(run%step, run%model, run%state, 'no convergence after ' &

@@ -14,6 +14,7 @@ module command_program
   use deck_feap, only: command_hint
   use deck_record, only: record_t, check_count, check_numbers, RECORD_WORDS, RECORD_END
   use deck_stream, only: get_real
+  use program_position, only: has_data
   use step_control, only: step_control_t
   implicit none
   private
@@ -222,8 +223,7 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in) :: first
     type(error_t), allocatable, intent(out) :: error
-    integer :: top, at, i
-    logical :: has_data
+    integer :: top, at
 
     associate (program => run%program)
       program%counter = first
@@ -234,11 +234,7 @@ contains
           top = size(program%loop)
           program%loop(top)%count = program%loop(top)%count + 1
           at = program%loop(top)%at
-          has_data = .false.
-          do i = at, program%command(at)%matching
-            has_data = has_data .or. associated(program%row(program%command(i)%row)%data)
-          end do
-          if (program%loop(top)%count <= program%loop(top)%limit .and. has_data) then
+          if (program%loop(top)%count <= program%loop(top)%limit .and. has_data(program, at)) then
             program%counter = at
           else
             program%loop = program%loop(:top - 1)

@@ -6,8 +6,8 @@ module program_position
   use deck_expression, only: params_t
   implicit none
   private
-  public :: save_position, rewind_program, leave_loop, targets_left, may_pass_targets, &
-            is_last_pass, current_place
+  public :: save_position, rewind_program, leave_loop, iterates, has_data, targets_left, &
+            may_pass_targets, is_last_pass, current_place
 
 contains
 
@@ -38,17 +38,37 @@ contains
     end associate
   end subroutine rewind_program
 
-  !> Leave the innermost loop (as in FEAP) unless it contains TIME.
+  !> Leave the innermost loop (as in FEAP) if it iterates.
   subroutine leave_loop(program)
     type(program_t), intent(inout) :: program
     integer :: top
 
     top = size(program%loop)
     if (top == 0) return
-    if (program%command(program%loop(top)%at)%spans_time) return
+    if (.not. iterates(program, program%loop(top)%at)) return
     program%counter = program%command(program%loop(top)%at)%matching
     program%loop = program%loop(:top - 1)
   end subroutine leave_loop
+
+  !> Do the passes of the LOOP at a position iterate, so that it ends when a step has converged?
+  !! They do not if the loop contains TIME or a command with data, such as PROP, because each pass
+  !! then has its own step or its own data.
+  pure logical function iterates(program, at) result(yes)
+    type(program_t), intent(in) :: program
+    integer, intent(in) :: at
+
+    yes = .not. (program%command(at)%spans_time .or. has_data(program, at))
+  end function iterates
+
+  !> Does the LOOP at a position contain a command with data?
+  pure logical function has_data(program, at)
+    type(program_t), intent(in) :: program
+    integer, intent(in) :: at
+    integer :: i
+
+    has_data = any([(associated(program%row(program%command(i)%row)%data), &
+                     i=at, program%command(at)%matching)])
+  end function has_data
 
   !> Number of time targets that remain in the innermost loop, including the target of the next
   !! TIME. It is 1 if the loop contains several TIMEs, so that no step passes the target of another
@@ -77,12 +97,11 @@ contains
       yes = command(at)%holds_time
       if (yes) yes = count([(command(i)%record%key(1) == 'time', &
                              i=at, command(at)%matching)]) == 1
-      if (yes) yes = .not. any([(associated(program%row(command(i)%row)%data), &
-                                 i=at, command(at)%matching)])
+      if (yes) yes = .not. has_data(program, at)
     end associate
   end function may_pass_targets
 
-  !> Is the innermost loop in its last pass, and does it not contain TIME?
+  !> Is the innermost loop in its last pass, and does it iterate?
   pure logical function is_last_pass(program) result(yes)
     type(program_t), intent(in) :: program
     integer :: top
@@ -90,7 +109,7 @@ contains
     top = size(program%loop)
     yes = top > 0
     if (yes) yes = program%loop(top)%count == program%loop(top)%limit &
-                   .and. .not. program%command(program%loop(top)%at)%spans_time
+                   .and. iterates(program, program%loop(top)%at)
   end function is_last_pass
 
   !> Place in the deck of the command at the counter, or of the last command if all have been
