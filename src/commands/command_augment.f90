@@ -10,7 +10,7 @@ module command_augment
   use base_kinds, only: wp
   use base_log, only: log_line
   use base_text, only: to_text
-  use command_type, only: run_t, program_t, command_t, command_row_t, new_row
+  use command_type, only: run_t, program_t, command_t, command_row_t, new_row, check_fields
   use contact_augment, only: rise_t, find_rise, take_rise, largest_pressure
   use program_position, only: leave_loop, is_last_pass
   implicit none
@@ -35,6 +35,8 @@ contains
     real(wp) :: change, most, tolerance
     integer :: c, k
 
+    call check_fields(command, 1, 'AUGMent,,[tolerance]', error, option=.false.)
+    if (allocated(error)) return
     tolerance = USUAL
     if (.not. command%record%is_empty(3)) tolerance = command%x(1)
     if (.not. (tolerance > 0.0_wp .and. tolerance < 1.0_wp)) then

@@ -58,6 +58,8 @@ contains
     integer :: i, n
 
     n = 0
+    call check_fields(command, size(command%x), 'OUTPut,,every n [fields]', error, option=.false.)
+    if (allocated(error)) return
     associate (record => command%record)
       if (record%key(3) == 'ever') call get_integer(run%deck, record, 4, n, error)
       if (allocated(error)) return
