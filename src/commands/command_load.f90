@@ -7,11 +7,12 @@ module command_load
   use command_step, only: finish_solved_step
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, data_t, &
                           assignment_t, whole_field, check_fields
+  use continuation, only: follow_slopes
   use deck_expression, only: set_parameter
   use deck_record, only: record_t, check_count, RECORD_WORDS
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
-  use solution_state, only: set_factors
+  use solution_state, only: set_factors, factor_slopes
   use step, only: begin_again
   use table_use, only: warn_jump
   implicit none
@@ -275,6 +276,7 @@ contains
     type(command_t), intent(in) :: command
     type(error_t), allocatable, intent(out) :: error
     type(load_table_t), allocatable :: longer(:)
+    real(wp), allocatable :: slopes(:)
     integer :: first, last, n
     logical :: rewound
 
@@ -287,6 +289,7 @@ contains
         call warn_jump(run, n, table(n - first + 1), command%record%place(1))
       end do
     end associate
+    slopes = factor_slopes(run%state, ahead=.true.)
     n = size(run%state%table)
     if (last > n) then
       allocate (longer(last))
@@ -295,6 +298,7 @@ contains
       call move_alloc(longer, run%state%table)
     end if
     run%state%table(first:last) = command%data(command%visit)%table
+    call follow_slopes(run%step, run%state, slopes)
     if (run%step%open) then
       call begin_again(run%step, run%model, run%state)
     else

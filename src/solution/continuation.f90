@@ -21,7 +21,7 @@ module continuation
   use step_type, only: step_t
   implicit none
   private
-  public :: begin_increment, change_method, adapt_method
+  public :: begin_increment, change_method, adapt_method, follow_slopes
 
   !> An increment, or a change of the rate of a load, counts as zero if its relative size is below
   !! this.
@@ -212,6 +212,26 @@ contains
     ahead = factor_slopes(state, ahead=.true.)
     yes = any(abs(ahead) > 0.0_wp) .and. .not. any(abs(ahead - before) > NOTHING*abs(ahead))
   end function may_follow_arc
+
+  !> After a change of load tables between two steps: return to load control for one step if the
+  !! rate of a load has changed, because the direction of the path has changed, too (LENGth).
+  subroutine follow_slopes(step, state, before)
+    type(step_t), intent(inout) :: step
+    type(state_t), intent(in) :: state
+    real(wp), intent(in) :: before(:)    !! rates of the load factors before the change [1/T]
+    real(wp), allocatable :: ahead(:)
+    integer :: n
+
+    associate (path => step%continuation)
+      if (.not. (path%method == PATH_ARC .and. path%active == BY_ARC)) return
+      ahead = factor_slopes(state, ahead=.true.)
+      n = size(before)
+      if (.not. (any(abs(ahead(:n) - before) > NOTHING*abs(ahead(:n))) .or. &
+                 any(abs(ahead(n + 1:)) > 0.0_wp))) return
+      call end_trial(path)
+      call log_line('path: a load table has changed its slope: a step of load control follows')
+    end associate
+  end subroutine follow_slopes
 
   !> Begin arc length control, in the direction of the previous step.
   subroutine follow_arc(step, state, what)
