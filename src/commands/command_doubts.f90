@@ -27,8 +27,10 @@ contains
     call warn_late_output(run)
     call warn_length(run)
     if (first(run, 'tran') == 0) then
-      call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
-                     'add TRANsient to compute with inertia, or remove MASS')
+      if (.not. may_add_inertia(run)) then
+        call warn_idle(run, 'mass', 'MASS has no effect without TRANsient', &
+                       'add TRANsient to compute with inertia, or remove MASS')
+      end if
     else if (first(run, 'time') == 0) then
       call warn_idle(run, 'tran', 'TRANsient has no effect without TIME: the single step at t = ' &
                      //'0 has no inertia', 'add DT,,dt and a loop with TIME to the commands')
@@ -36,6 +38,22 @@ contains
       call warn_scaled(run)
     end if
   end subroutine warn_commands
+
+  !> May the continuation add inertia to a step that fails? It may with AUTO if ARCLength does not
+  !! exclude it or, in a deck without ARCLength, if there are bonds.
+  pure logical function may_add_inertia(run) result(yes)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    yes = .false.
+    if (first(run, 'auto') == 0) return
+    yes = first(run, 'arcl') == 0 .and. any(run%model%contact%cohesive%given)
+    associate (list => run%program%command)
+      do i = 1, size(list)
+        yes = yes .or. list(i)%record%key(1) == 'arcl' .and. list(i)%record%key(2) /= 'off '
+      end do
+    end associate
+  end function may_add_inertia
 
   !> Warn of ARCLength,LENGth without PROP, because its unknown is the time of the load tables.
   subroutine warn_length(run)
