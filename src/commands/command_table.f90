@@ -23,10 +23,17 @@ contains
     type(command_row_t), allocatable, intent(out) :: table(:)
 
     table = [time_rows(), loop_rows(), solve_rows(), augment_rows(), load_rows(), print_rows(), &
-             tplot_rows(), output_rows(), restart_rows(), path_rows(), &
-             new_row('OPTImize', 'OPTImize: accepted, but has no effect here', 16, run_note), &
-             new_row('OPTS', 'OPTS: accepted, but has no effect here', 16, run_note)]
+             tplot_rows(), output_rows(), restart_rows(), path_rows(), note_rows()]
   end subroutine load_commands
+
+  !> Commands of FEAP without effect, whose fields are not looked at.
+  function note_rows() result(row)
+    type(command_row_t) :: row(2)
+
+    row(1) = new_row('OPTImize', 'OPTImize: accepted, but has no effect here', 16, run_note)
+    row(2) = new_row('OPTS', 'OPTS: accepted, but has no effect here', 16, run_note)
+    row(:)%reads = .true.
+  end function note_rows
 
   !> State in the log that a command of FEAP has no effect here.
   subroutine run_note(run, command, error)
