@@ -8,6 +8,8 @@ from post._error import Unreadable
 
 #: Attributes from which VTK takes the weights of a rational cell and its degree in each direction.
 BEZIER = ("RationalWeights", "HigherOrderDegrees")
+#: Name of a .vtu file of the program: the stem and the step of the analysis.
+NUMBERED = re.compile(r"(.+)_(\d+)\.vtu$")
 
 
 def steps_of(path):
@@ -72,6 +74,10 @@ def _steps(path):
 
 
 def _vtu(path):
+    return [(*_of_vtu(path), _reader(path))]
+
+
+def _reader(path):
     def read():
         import pyvista
 
@@ -79,7 +85,23 @@ def _vtu(path):
             raise Unreadable(f"'{path}' does not exist")
         return pyvista.read(path)
 
-    return [(1, 0.0, read)]
+    return read
+
+
+def _of_vtu(path):
+    """Step and time of a .vtu file of the program: the step from its name, and the time from the
+    .pvd beside it that lists it; step 1 and time 0 of any other file.
+    """
+    named = NUMBERED.match(path.name)
+    if not named:
+        return 1, 0.0
+    series = path.with_name(named[1] + ".pvd")
+    try:
+        sets = ElementTree.parse(series).getroot().iter("DataSet")
+        times = [float(s.get("timestep", 0)) for s in sets if s.get("file") == path.name]
+    except (OSError, ElementTree.ParseError, TypeError, ValueError):
+        times = []
+    return int(named[2]), times[0] if times else 0.0
 
 
 def _pvd(path):
@@ -87,10 +109,10 @@ def _pvd(path):
         sets = list(ElementTree.parse(path).getroot().iter("DataSet"))
         files = [s.get("file") for s in sets]
         # the files of the program end with the step of the analysis
-        named = [re.search(r"_(\d+)\.vtu$", file) for file in files]
+        named = [NUMBERED.match(file) for file in files]
         return [
-            (int(named[i][1]) if all(named) else i + 1, float(s.get("timestep", 0)),
-             _vtu(path.parent / file)[0][2])
+            (int(named[i][2]) if all(named) else i + 1, float(s.get("timestep", 0)),
+             _reader(path.parent / file))
             for i, (s, file) in enumerate(zip(sets, files))
         ]  # fmt: skip
     except (ElementTree.ParseError, TypeError, ValueError):

@@ -15,7 +15,8 @@ SUFFIXES = (".dat", ".csv", ".json", FIELDS)
 
 
 def parts(path):
-    """{part: file} of a run: 'report', 'fields', and each curve by its name.
+    """{part: file} of a run: 'report', 'fields', and each curve by its name, with the ending `.dat`
+    if the name is one of these two.
 
     In a folder with several runs the parts are called 'stem/part'. A single file has one part:
     itself.
@@ -31,7 +32,9 @@ def parts(path):
     if path.is_dir():
         found = _of_folder(folder)
     else:
-        found = _of_stem(folder, path.name)
+        longer = [s for s in _stems(folder) if s.startswith(path.name + "_")]
+        others = {f for s in longer for f in _of_stem(folder, s).values()}
+        found = {k: f for k, f in _of_stem(folder, path.name).items() if f not in others}
     if not found:
         what = "contains no" if path.is_dir() else "is not the stem of any"
         raise Unreadable(
@@ -47,13 +50,18 @@ def _of_stem(folder, stem):
             found[kind] = folder / (stem + suffix)
     for file in sorted(folder.glob("*.dat")):
         if file.name.startswith(stem + "_"):
-            found[file.stem[len(stem) + 1 :]] = file
+            name = file.stem[len(stem) + 1 :]
+            found[f"{name}.dat" if name in ("report", "fields") else name] = file
     return found
 
 
+def _stems(folder):
+    """The stems of the runs in a folder, each of which has a report or a field file."""
+    return sorted({f.name[: -len(s)] for s in (REPORT, FIELDS) for f in folder.glob("*" + s)})
+
+
 def _of_folder(folder):
-    stems = sorted(f.name[: -len(s)] for s in (REPORT, FIELDS) for f in folder.glob("*" + s))
-    stems = list(dict.fromkeys(stems))
+    stems = _stems(folder)
     taken, found = set(), {}
     for stem in sorted(stems, key=len, reverse=True):  # 'cube_2' before 'cube'
         own = {k: f for k, f in _of_stem(folder, stem).items() if f not in taken}

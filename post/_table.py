@@ -120,6 +120,14 @@ def read_table(path):
     return table
 
 
+def has_rows(path):
+    """Does a file have rows? Only a curve file may have none: that of a run that closed no step, or
+    of TPLOt whose interval is longer than the run.
+    """
+    path = pathlib.Path(path)
+    return path.suffix != ".dat" or len(_read_curve(path, read_text(path))) > 0
+
+
 def _read_curve(path, text):
     lines = text.splitlines()
     first = next((i for i, line in enumerate(lines) if line.strip()), 0)

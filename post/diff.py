@@ -17,6 +17,7 @@ from post import _emit, _runs, _update
 from post._compare import TableResult, compare_tables
 from post._error import Unreadable
 from post._expect import read_diff
+from post._table import has_rows
 from post._tolerance import Tolerance, Tolerances, parse
 
 __all__ = ["Comparison", "compare", "compare_tables", "parse", "Tolerance", "Tolerances", "main"]
@@ -47,7 +48,9 @@ def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore
     """
     tolerances = tolerances or Tolerances()
     comparison = Comparison()
-    for part, file_a, file_b in _runs.matched(a, b):
+    matched = _runs.matched(a, b)
+    alone = len(matched) == 1
+    for part, file_a, file_b in matched:
         if file_a is None or file_b is None:
             there, lacks = (b, a) if file_a is None else (a, b)
             comparison.tables.append(
@@ -56,6 +59,13 @@ def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore
         elif interpolate and part.split("/")[-1] in ("report", "fields"):
             comparison.notes.append(
                 f"'{part}' is not compared: it has no {interpolate} to interpolate over"
+            )
+        elif not (alone or has_rows(file_a) or has_rows(file_b)):
+            comparison.notes.append(f"'{part}' is not compared: it has no rows")
+        elif not (alone or (has_rows(file_a) and has_rows(file_b))):
+            lacks = b if has_rows(file_a) else a
+            comparison.tables.append(
+                TableResult(part, problems=[f"'{part}' of '{lacks}' has no rows"])
             )
         else:
             comparison.tables += _compare_files(

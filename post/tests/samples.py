@@ -28,7 +28,7 @@ def write_curve(
     head = "#       step" + "".join(f"{n:>25}" for n in ("time", "factor_1"))
     head += "  iterations    cutbacks   converged" + "".join(f"{n:>25}" for n in names)
     lines = [head]
-    for i, t in enumerate(np.linspace(end / steps, end, steps), 1):
+    for i, t in enumerate(np.linspace(end / max(steps, 1), end, steps), 1):
         values = "".join(f"{v:25.15e}" for v in (t, force(t)))
         lines.append(f"{i:12d}{t:25.15e}{t:25.15e}{3:12d}{0:12d}{1:12d}{values}")
     pathlib.Path(path).write_text("\n".join(lines) + "\n")

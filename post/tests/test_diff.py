@@ -171,6 +171,39 @@ class Runs(Diff):
         self.assertEqual(self.diff(a, b), 1)
         self.assertIn("'torque' of", self.said)
 
+    def test_a_curve_may_have_the_name_of_another_part(self):
+        for name in ("report", "fields"):
+            a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+            write_curve(a / f"cube_{name}.dat")
+            write_curve(b / f"cube_{name}.dat", force=lambda t: -0.33 * t)
+            self.assertEqual(self.diff(a, b), 1)
+            self.assertEqual(self.diff(a / "cube", b / "cube"), 1)
+            self.assertIn(f"{name}.dat", self.said)
+            write_report(a / "cube.report.json", status="stopped")
+            self.assertEqual(self.diff(a / "cube", b / "cube"), 1)
+            self.assertRegex(self.said, "status .*stopped .*done")
+
+    def test_curves_without_rows_do_not_keep_the_others_from_being_compared(self):
+        a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+        for run in (a, b):
+            write_curve(run / "cube_tplot.dat", steps=0)
+        self.assertEqual(self.diff(a, b), 0)
+        self.assertIn("'tplot' is not compared: it has no rows", self.said)
+        write_curve(a / "cube_tplot.dat")
+        self.assertEqual(self.diff(a, b), 1)
+        self.assertEqual(self.diff(b, a), 1)
+        self.assertIn("'tplot' of", self.said)
+        write_curve(a / "cube_force.dat", force=lambda t: -0.33 * t)
+        write_curve(a / "cube_tplot.dat", steps=0)
+        self.assertEqual(self.diff(a, b), 1)
+        self.assertEqual(self.diff(b / "cube_tplot.dat", b / "cube_tplot.dat"), 2)
+
+    def test_a_stem_does_not_contain_the_files_of_a_longer_one(self):
+        a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+        write_run(self.folder / "a", stem="cube_2")
+        self.assertEqual(self.diff(a / "cube", b / "cube"), 0)
+        self.assertEqual(self.diff(a / "cube_2", b / "cube"), 0)
+
     def test_rows_are_matched_by_key_and_a_csv_reference_may_select(self):
         a, b = self.folder / "a.csv", self.folder / "b.csv"
         a.write_text("elements,n,f,g\nQ1,2,0.5,1\nQ2,2,0.6,1\nQ1,4,0.7,1\n")

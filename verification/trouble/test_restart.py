@@ -3,8 +3,10 @@ and a run that is stopped anywhere ends like an uninterrupted run.
 """
 
 import json
+import os
 import random
 import shutil
+import subprocess
 
 import h5py
 

@@ -4,6 +4,7 @@ elements, whatever numbers the mesh file gives them.
 
 import shutil
 
+from verification import TOP
 from verification.trouble.test_files import HERE, Folder
 
 
