@@ -10,11 +10,12 @@ set -u
 task=${SLURM_ARRAY_TASK_ID:-1}
 deck=${!task}
 bezel=${BEZEL:-build/release/bezel}
-stem=$(basename "$deck" .inp)
+stem=$(basename "$deck")
+stem=${stem%.*}                       # without its ending, whatever it is
 out=${OUT:-out}/$stem
 checkpoint=$out/$stem.restart.h5
 
-options=(-o "$out" --time-limit "${LIMIT:-13800}")
+options=(-o "$out" --name "$stem" --time-limit "${LIMIT:-13800}")
 [ ! -e "$checkpoint" ] || options+=(--restart "$checkpoint")
 "$bezel" "${options[@]}" "$deck"
 code=$?

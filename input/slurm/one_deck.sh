@@ -6,7 +6,7 @@
 #SBATCH --open-mode=append
 # Run one deck on several ranks. A run that does not end in time stops with a checkpoint, and the job
 # goes into the queue again and continues.
-# usage: sbatch one_deck.sh deck.inp [further options of bezel]
+# usage: sbatch one_deck.sh deck.inp [further options of bezel, except -o, --name and --restart]
 set -u
 deck=$1
 shift
@@ -14,9 +14,11 @@ bezel=${BEZEL:-build/mpi/bezel}
 out=${OUT:-out}
 limit=${LIMIT:-13800}                # seconds: ten minutes less than --time
 ranks=${SLURM_NTASKS:-2}
-checkpoint=$out/$(basename "$deck" .inp).restart.h5
+stem=$(basename "$deck")
+stem=${stem%.*}                      # without its ending, whatever it is
+checkpoint=$out/$stem.restart.h5
 
-options=(-o "$out" --time-limit "$limit" "$@")
+options=(-o "$out" --name "$stem" --time-limit "$limit" "$@")
 [ ! -e "$checkpoint" ] || options+=(--restart "$checkpoint")
 ${LAUNCH:-mpirun} -n "$ranks" "$bezel" "${options[@]}" "$deck"
 code=$?

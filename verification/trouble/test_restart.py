@@ -452,6 +452,21 @@ class Stops(Folder):
         )
         self.stopped(deck, 25)
 
+    def test_a_script_continues_a_deck_whatever_its_ending(self):
+        script = TOP / "input/slurm/many_decks.sh"
+        (self.at / "deck.dat").write_text(self.deck)
+        said = []
+        for stop in ("40", "0"):
+            env = {**os.environ, "BEZEL": str(BEZEL), "OUT": "out"}
+            if stop != "0":
+                env["BEZEL_STOP"] = stop
+            done = subprocess.run(
+                ["bash", script, "deck.dat"], cwd=self.at, env=env, capture_output=True, text=True, check=False
+            )  # fmt: skip
+            said.append((done.returncode, (self.at / "out/deck/deck.log").read_text()))
+        self.assertEqual([code for code, _ in said], [4, 0])
+        self.assertIn("restarted after step", said[1][1])
+
     def test_printed_tables_after_the_checkpoint_are_removed(self):
         """The run is stopped after a table of a step, and before the table of a later one."""
         deck = self.changed("printed", ("    SAVE\n", "    DISP,ALL\n    REAC,,1,3\n    SAVE\n"))
