@@ -4,7 +4,6 @@ module command_load
   use base_kinds, only: wp
   use base_sort, only: unique
   use base_text, only: to_text
-  use command_step, only: finish_solved_step
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, data_t, &
                           assignment_t, whole_field, check_fields
   use continuation, only: follow_slopes
@@ -28,6 +27,7 @@ contains
 
     row(1) = new_row('PROP', 'PROP,,k1[,k2]; its tables, one per number, come after END', 3, &
                      run_prop, read_tables)
+    row(1)%closes = .true.
     row(2) = new_row('PARAmeter', 'PARAmeter; its records name = value come after END', 0, &
                      run_para, read_assignments)
   end function load_rows
@@ -278,12 +278,9 @@ contains
     type(load_table_t), allocatable :: longer(:)
     real(wp), allocatable :: slopes(:)
     integer :: first, last, n
-    logical :: rewound
 
     call table_range(command, first, last, error)
     if (allocated(error) .or. run%program%dry) return
-    call finish_solved_step(run, rewound, error)
-    if (allocated(error) .or. rewound) return
     associate (table => command%data(command%visit)%table)
       do n = first, last
         call warn_jump(run, n, table(n - first + 1), command%record%place(1))

@@ -246,7 +246,9 @@ contains
   end subroutine run_dry
 
   !> Execute the command at the counter: evaluate its fields, find its data and run it. Before the
-  !! first command of a further batch, the END of the batch before it closes the step.
+  !! first command of a further batch, the END of the batch before it closes the step. A step is
+  !! closed before the visit is counted, because a checkpoint that is then written contains the
+  !! position before this command.
   subroutine execute_next(run, error)
     type(run_t), intent(inout) :: run
     type(error_t), allocatable, intent(out) :: error
@@ -257,7 +259,7 @@ contains
 
     at = run%program%counter
     command = run%program%command(at)
-    if (command%begins_batch) then
+    if (command%begins_batch .or. run%program%row(command%row)%closes) then
       call finish_solved_step(run, rewound, error)
       if (allocated(error) .or. rewound) return
     end if

@@ -54,6 +54,7 @@ module command_type
     integer :: nmax = 2                         !! largest number of fields after the word
     character(72) :: usage = ''                 !! shown in hints and by --list
     logical :: reads = .false.                  !! `run` itself reads the fields after the option
+    logical :: closes = .false.                 !! a step that was solved is closed before it
     procedure(command_run_i), pointer, nopass :: run => null()
     procedure(command_data_i), pointer, nopass :: data => null() !! reads its records after END
   end type command_row_t

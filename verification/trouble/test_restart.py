@@ -452,6 +452,17 @@ class Stops(Folder):
         )
         self.stopped(deck, 25)
 
+    def test_each_pass_takes_its_table_although_prop_closes_the_step(self):
+        """The checkpoint that is written when PROP closes a step does not count this PROP yet."""
+        tables = "".join(f"1 0 0 100 {0.1 * k:.1f}\n" for k in range(1, 11))
+        deck = self.changed(
+            "passes",
+            ("  PROP,,1\n", "  FACTor,REUSe\n"),
+            ("    TIME\n", "    PROP,,1\n    TIME\n"),
+            ("2 1\n0 0\nends ends\n", tables),
+        )
+        self.stopped(deck, 20, 47)
+
     def test_a_script_continues_a_deck_whatever_its_ending(self):
         script = TOP / "input/slurm/many_decks.sh"
         (self.at / "deck.dat").write_text(self.deck)
