@@ -8,7 +8,7 @@ module command_checkpoint
   use base_log, only: log_line, message_count, get_warning, recall_warning
   use base_system, only: stop_requested, wall_seconds
   use base_text, only: quoted, to_text
-  use command_files, only: cut_tables, close_files
+  use command_files, only: cut_tables, close_files, row_label
   use command_type, only: files_t, plan_t, program_t, run_t
   use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
@@ -21,7 +21,7 @@ module command_checkpoint
   use step, only: abandon_step
   implicit none
   private
-  public :: write_checkpoint, set_restart_point, restore_run, stop_wanted, stop_run
+  public :: write_checkpoint, set_restart_point, restore_run, recall_rows, stop_wanted, stop_run
 
   ! FORMAT of restart_file must be increased whenever the names or the meaning of the values here
   ! change.
@@ -230,7 +230,69 @@ contains
     call exchange(x, 'tplot_every', run%plan%tplot_every)
     call exchange(x, 'prints', run%plan%prints)
     call exchange_printed(x, run%files)
+    call exchange(x, 'fields_step', run%files%fields_step)
+    call exchange(x, 'fields_time', run%files%fields_time)
+    if (x%writes) then
+      call keep_rows(run, x%values)
+    else
+      call recall_rows(run, x%values)
+    end if
   end subroutine exchange_run
+
+  !> Store the last row of every curve, so that a restarted run recognises its files.
+  subroutine keep_rows(run, values)
+    type(run_t), intent(in) :: run
+    type(named_values_t), intent(inout) :: values
+    real(wp), allocatable :: row(:)
+    character(:), allocatable :: labels
+    integer, allocatable :: length(:)
+    integer :: i
+
+    labels = ''
+    allocate (length(0), row(0))
+    if (allocated(run%files%last_row)) then
+      do i = 1, size(run%files%last_row)
+        if (.not. allocated(run%files%last_row(i)%value)) cycle
+        labels = labels//row_label(run, i)//new_line('a')
+        length = [length, size(run%files%last_row(i)%value)]
+        row = [row, run%files%last_row(i)%value]
+      end do
+    end if
+    call put(values, 'row_labels', labels)
+    call put(values, 'row_lengths', length)
+    call put(values, 'rows', row)
+  end subroutine keep_rows
+
+  !> Take from a checkpoint the last rows of those curves that have the same columns in this deck.
+  subroutine recall_rows(run, values)
+    type(run_t), intent(inout) :: run
+    type(named_values_t), intent(in) :: values
+    real(wp), allocatable :: row(:)
+    character(:), allocatable :: labels
+    integer, allocatable :: length(:)
+    integer :: c, first, i, k, last
+    logical :: there(3)
+
+    if (allocated(run%files%recalled)) deallocate (run%files%recalled)
+    allocate (run%files%recalled(size(run%model%curve)))
+    call get(values, 'row_labels', labels, there(1))
+    call get(values, 'row_lengths', length, there(2))
+    call get(values, 'rows', row, there(3))
+    if (.not. all(there)) return
+    if (any(length < 2) .or. sum(length) /= size(row)) return
+    first = 1
+    k = 0
+    do i = 1, size(length)
+      last = first + index(labels(first:), new_line('a')) - 2
+      if (last < first) return
+      do c = 1, size(run%model%curve)
+        if (row_label(run, c) == labels(first:last)) run%files%recalled(c)%value &
+          = row(k + 1:k + length(i))
+      end do
+      k = k + length(i)
+      first = last + 2
+    end do
+  end subroutine recall_rows
 
   !> Exchange the length of the printed tables of the closed steps.
   subroutine exchange_printed(x, files)

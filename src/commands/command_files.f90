@@ -17,11 +17,25 @@ module command_files
   implicit none
   private
   public :: remove_results, open_files, write_rows, write_fields, close_files
-  public :: open_tables, keep_tables, cut_tables, continue_tables
+  public :: open_tables, keep_tables, cut_tables, continue_tables, row_label
 
   integer, parameter :: LONG = 64 !! longest name of a column
+  real(wp), parameter :: ROUNDING = 1e-6_wp !! relative difference of values of equal rows
 
 contains
+
+  !> Name and columns of curve i.
+  function row_label(run, i) result(label)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(:), allocatable :: label
+    integer :: j
+
+    label = run%model%curve(i)%name
+    do j = 1, size(run%model%curve(i)%quantity)
+      label = label//' '//trim(run%model%curve(i)%quantity(j)%column)
+    end do
+  end function row_label
 
   !> Remove the curves, fields and tables that an earlier run left under the names of this run: a
   !! run that closes no step, or writes no fields or tables, must not be thought to have written the
@@ -64,6 +78,7 @@ contains
         else
           call set_aside(run, error)
           if (allocated(error)) return
+          files%fields_step = -1
           if (.not. files%out_open) files%printed = 0
         end if
         call open_fields(run, keep, error) ! first, because it may fail
@@ -76,9 +91,14 @@ contains
                                        run%program%ntable, error, keep, moved)
         call agree(error)
         if (allocated(error)) return
-        if (largest(merge(1, 0, moved)) == 1) call warn_moved(run, i)
+        moved = largest(merge(1, 0, moved)) == 1
+        if (moved) call warn_moved(run, i)
         if (.not. allocated(files%kept)) cycle
-        if (files%kept > 0 .and. has_row(run, i)) call note_row(run, i) ! this may be its last row
+        if (allocated(keep) .and. allocated(files%recalled(i)%value) .and. .not. moved) then
+          files%last_row(i) = files%recalled(i) ! its last row, until there is another one
+        else if (files%kept > 0 .and. has_row(run, i)) then
+          call note_row(run, i)
+        end if
       end do
       files%curves_open = .true.
       if (.not. allocated(files%kept)) return
@@ -102,43 +122,60 @@ contains
   end function column_names
 
   !> Do the files under the name of this run belong to the run that wrote the checkpoint? They do if
-  !! the checkpoint has this name, too. Of another one, the rows of its step in the old curves must
-  !! have the values of its state; without such rows, the old fields must have its step and time.
+  !! they contain the last rows that this run had written. Without such rows, the fields must have
+  !! the last step that it had written; if the checkpoint has this name, too, there may be none.
   logical function is_own(run)
-    type(run_t), intent(inout) :: run
-    real(wp), parameter :: ROUNDING = 1e-6_wp
+    type(run_t), intent(in) :: run
     type(file_t) :: own, read
     integer, allocatable :: number(:)
-    real(wp), allocatable :: new(:), old(:), time(:)
-    integer :: differs, i
+    real(wp), allocatable :: time(:)
+    integer :: differs
     logical :: found
 
-    call inspect(run%files%checkpoint, read)
-    call inspect(run%files%stem//'.restart.h5', own)
-    is_own = all(own%identity == read%identity)
-    if (is_own) return
     differs = -1 ! not known
-    do i = 1, size(run%model%curve)
-      if (.not. has_row(run, i)) cycle
-      new = [run%state%time, values_of(run, i)]
-      allocate (old(size(new)))
-      found = .false.
-      if (is_root()) call find_row(curve_path(run, i), column_names(run, i), run%state%step, old, &
-                                   found)
-      if (found) then ! compared with the largest value, because others may be zero but for rounding
-        found = abs(old(1) - new(1)) <= ROUNDING*abs(new(1)) .and. &
-                all(abs(old(2:) - new(2:)) <= ROUNDING*maxval(abs(new(2:))))
-        differs = max(differs, merge(0, 1, found))
+    if (is_root()) then
+      call compare_rows(run, differs)
+      if (differs < 0) then
+        call find_steps(run%files%stem, number, time)
+        found = any(number == run%files%fields_step .and. is_near(time, run%files%fields_time))
+        call inspect(run%files%checkpoint, read)
+        call inspect(run%files%stem//'.restart.h5', own)
+        if (all(own%identity == read%identity)) found = found .or. run%files%fields_step < 0 &
+                                                        .or. all(number > run%files%kept)
+        differs = merge(0, 1, found)
       end if
-      deallocate (old)
-    end do
-    if (is_root() .and. differs < 0) then
-      call find_steps(run%files%stem, number, time)
-      differs = merge(0, 1, any(number == run%state%step .and. &
-                                abs(time - run%state%time) <= ROUNDING*abs(run%state%time)))
     end if
     is_own = largest(differs) == 0
   end function is_own
+
+  !> Compare the last rows in the checkpoint with those in the old curves. Values are compared with
+  !! the largest one of the row, because others may be zero but for rounding.
+  subroutine compare_rows(run, differs)
+    type(run_t), intent(in) :: run
+    integer, intent(inout) :: differs !! 0: they are equal; 1: one differs or is missing
+    real(wp), allocatable :: old(:)
+    integer :: i
+    logical :: found, missing
+
+    do i = 1, size(run%model%curve)
+      if (.not. allocated(run%files%recalled(i)%value)) cycle
+      associate (new => run%files%recalled(i)%value)
+        allocate (old(size(new) - 1))
+        call find_row(curve_path(run, i), column_names(run, i), nint(new(1)), old, found, missing)
+        if (found) missing = .not. (is_near(old(1), new(2)) .and. &
+                                    all(abs(old(2:) - new(3:)) <= ROUNDING*maxval(abs(new(3:)))))
+        if (found .or. missing) differs = max(differs, merge(1, 0, missing))
+        deallocate (old)
+      end associate
+    end do
+  end subroutine compare_rows
+
+  !> Is a time in an old file that in the checkpoint, up to rounding?
+  elemental logical function is_near(old, new)
+    real(wp), intent(in) :: old, new
+
+    is_near = abs(old - new) <= ROUNDING*abs(new)
+  end function is_near
 
   !> Rename the curves, fields and tables of another run, with a warning, if they have steps up to
   !! that of the checkpoint, or if there are only tables, whose steps are not known. Files with only
@@ -270,6 +307,8 @@ contains
     if (allocated(error)) return
     if (is_root()) call write_result(run%files%result, run%model, run%state, error)
     call agree(error)
+    run%files%fields_step = run%state%step
+    run%files%fields_time = run%state%time
   end subroutine write_fields
 
   subroutine open_fields(run, keep, error)

@@ -6,6 +6,7 @@ module command_restart
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
+  use command_checkpoint, only: recall_rows, set_restart_point
   use command_files, only: continue_tables, open_files
   use command_type, only: run_t, command_t, command_row_t, new_row
   use dynamics_type, only: dynamics_t, new_dynamics
@@ -81,6 +82,8 @@ contains
     run%files%kept = run%state%step
     run%files%checkpoint = path_of(run, command)
     call keep_printed(run, command, values)
+    call recall_fields(run, values)
+    call recall_rows(run, values)
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
@@ -140,6 +143,16 @@ contains
       call continue_tables(run)
     end if
   end subroutine keep_printed
+
+  !> Recall the last step whose fields the run of the checkpoint had written.
+  subroutine recall_fields(run, values)
+    type(run_t), intent(inout) :: run
+    type(named_values_t), intent(in) :: values
+    logical :: there
+
+    call get(values, 'fields_step', run%files%fields_step, there)
+    call get(values, 'fields_time', run%files%fields_time, there)
+  end subroutine recall_fields
 
   !> Read the state and the named values in the file that the command names.
   subroutine read_state(run, command, state, values, changed, error)

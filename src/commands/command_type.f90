@@ -123,6 +123,9 @@ module command_type
     integer(i8) :: printed = 0
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
+    type(row_t), allocatable :: recalled(:)     !! those in the checkpoint, if the columns agree
+    integer :: fields_step = -1                 !! the last step whose fields were written; -1: none
+    real(wp) :: fields_time = 0.0_wp            !! its time [T]
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none
     character(:), allocatable :: checkpoint     !! its file
   end type files_t

@@ -141,18 +141,21 @@ contains
     end do
   end subroutine curve_names
 
-  !> Find the row of a step in an old table with the same quantities.
-  subroutine find_row(path, columns, step, value, found)
+  !> Find the row of a step in an old table with the same quantities. It is missing if there are
+  !! only rows of other steps, at least one of which comes before it.
+  subroutine find_row(path, columns, step, value, found, missing)
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:)
     integer, intent(in) :: step
     real(wp), intent(out) :: value(:) !! (size(columns) + 1) time and quantities
     logical, intent(out) :: found
+    logical, intent(out) :: missing
     character(:), allocatable :: old
     integer :: first, last, n, status
 
     value = 0.0_wp
     found = .false.
+    missing = .false.
     call read_table(path, columns, old, n)
     if (n < 0) return
     first = 1
@@ -168,8 +171,10 @@ contains
           read (old(last - size(columns)*WIDTH:last - 1), *, iostat=status) value(2:)
         end if
         found = status == 0
+        missing = .not. found
         return
       end if
+      missing = missing .or. row_step(old(first:last)) < step
       first = last + 1
     end do
   end subroutine find_row

@@ -345,6 +345,74 @@ class Names(Folder):
                 if not fields:
                     self.assertEqual(self.table("box"), rows)
 
+    def test_files_of_a_later_run_of_the_same_name_are_not_continued(self):
+        """The checkpoint of the first run is still there, but curves and fields are those of another
+        run, with the step of the checkpoint or without it.
+        """
+        self.deck = self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n")
+        other = (("    SAVE\n", ""), ("way = 0.1", "way = -0.05"))
+        for more, steps in (((), [1, 2]), ((("time,2", "time,1"),), [1])):
+            with self.subTest(steps):
+                self.run_as("box")
+                self.run_as("box", *other, *more)
+                before = self.table("box")
+                self.assertEqual([row[0] for row in before[1]], steps)
+                said = self.run_as("box", restart="RESTart")
+                self.assertIn("not those of the run that wrote the checkpoint", said)
+                self.assertEqual([row[0] for row in self.table("box")[1]], [3, 4])
+                self.assertEqual(self.steps("box.vtkhdf"), [3, 4])
+                (self.at / "box_force.dat.old").rename(self.at / "old_force.dat")
+                self.assertEqual(self.table("old"), before)
+                self.run_as("box")
+                self.run_as("box", *other, *more)
+                said = self.run_as("box", options=("--restart", "box.restart.h5"))
+                self.assertIn("not those of the run that wrote the checkpoint", said)
+                self.assertEqual(self.table("box")[1], [])
+
+    def test_fields_of_a_later_run_without_the_step_of_the_checkpoint_are_not_continued(self):
+        self.deck = self.deck.replace("CURVe,force\n  FORCe a 3- 3\n\n", "")
+        self.deck = self.deck.replace("    SAVE\n", "    PLOT\n    SAVE\n")
+        self.run_as("n")
+        self.run_as("n", ("    SAVE\n", ""), ("time,2", "time,1"))
+        said = self.run_as("n", restart="RESTart")
+        self.assertIn("not those of the run that wrote the checkpoint", said)
+        self.assertEqual(self.steps("n.vtkhdf"), [3, 4])
+        for every in (1, 3):  # with 3, no fields were written before the checkpoint
+            change = ("    PLOT\n", ""), ("  DT,,0.2\n", f"  DT,,0.2\n  OUTPut,,every {every}\n")
+            self.run_as("n", *change)
+            said = self.run_as("n", *change, restart="RESTart")
+            self.assertNotIn("warning:", said)
+            self.assertEqual(self.steps("n.vtkhdf"), [1, 2, 3, 4] if every == 1 else [3])
+
+    def test_other_constants_and_loads_do_not_change_the_rows_before_them(self):
+        """The rows are compared with those in the checkpoint, not with values of the new deck."""
+        self.deck = self.deck.replace("FORCe a 3- 3", "FORCe a 3- 3\n  ENERgy\n  MAXImum mises")
+        for name in ("box.restart.h5", "copy.h5"):
+            self.run_as("box")
+            before = self.table("box")[1]
+            shutil.copy(self.at / "box.restart.h5", self.at / "copy.h5")
+            for _ in range(2):
+                said = self.run_as(
+                    "box", ("  e = 100", "  e = 150"), restart=f"RESTart,{name},CONStants"
+                )
+                self.assertNotIn("warning:", said)
+                rows = self.table("box")[1]
+                self.assertEqual(rows[:2], before)
+                self.assertEqual([row[0] for row in rows], [1, 2, 3, 4])
+                shutil.copy(self.at / "copy.h5", self.at / "box.restart.h5")
+
+    def test_the_report_of_a_restarted_run_has_the_last_row_of_tplot(self):
+        """Its interval is longer than the distance to the checkpoint."""
+        self.deck = self.deck.replace("time,2", "time,5").replace(
+            "DT,,0.2\n", "DT,,0.1\n  TPLOt,,3\n"
+        )
+        self.deck = self.deck.replace("ends ends\n", "ends ends\n\ndisp,27,3\n\n")
+        self.run_as("box")
+        final = json.loads((self.at / "box.report.json").read_text())["final"]
+        self.assertEqual(final["tplot"]["step"], 3)
+        self.run_as("box", options=("--restart", "box.restart.h5"))
+        self.assertEqual(json.loads((self.at / "box.report.json").read_text())["final"], final)
+
     def steps(self, name):
         with h5py.File(self.at / name) as file:
             return list(file["VTKHDF/Steps/StepNumber"])
