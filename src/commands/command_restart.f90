@@ -88,6 +88,10 @@ contains
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
     call open_files(run, error)
+    if (allocated(error)) return
+    run%program%counter = run%program%counter + 1 ! the run can restart after this RESTart
+    call set_restart_point(run)
+    run%program%counter = run%program%counter - 1
   end subroutine run_restart
 
   !> Take the rates of a motion from the checkpoint, but all else from the TRANsient and MASS of

@@ -66,8 +66,9 @@ contains
     type(run_t), intent(inout) :: job
     type(error_t), allocatable, intent(out) :: error
     type(error_t), allocatable :: ignored
-    logical :: rewound, unsolved
+    logical :: rewound, unsolved, stops
 
+    stops = .false.
     if (allocated(job%files%kept)) then
       call open_files(job, error) ! removes what a killed run wrote after its last checkpoint
       if (allocated(error)) return
@@ -76,7 +77,8 @@ contains
     end if
     call set_restart_point(job)
     do
-      if (stop_wanted(job)) then
+      stops = stop_wanted(job) .or. stops
+      if (stops .and. .not. awaits_restart(job)) then
         call stop_run(job, error)
         return
       end if
@@ -112,5 +114,13 @@ contains
                 hint='see the warnings in the log')
     end if
   end subroutine execute
+
+  !> Has RESTart still to be executed? A run is not stopped before it, because the checkpoint of its
+  !! start would replace the one that RESTart reads.
+  logical function awaits_restart(job)
+    type(run_t), intent(in) :: job
+
+    awaits_restart = has_command(job, 'rest') .and. .not. allocated(job%files%kept)
+  end function awaits_restart
 
 end module run

@@ -531,6 +531,31 @@ class Stops(Folder):
         )
         self.stopped(deck, 20, 47)
 
+    def test_a_run_that_begins_with_its_own_checkpoint_is_stopped_anywhere(self):
+        """A stop before RESTart, or later with kept factors, keeps the state of the checkpoint."""
+        text = self.deck.replace("time,10", "time,2")
+        for factor in ("", "  FACTor,REUSe\n"):
+            after = text.replace("    SAVE\n", "").replace("DT,,0.1", "DT,,0.2")
+            after = after.replace("BATCh\n", f"BATCh\n{factor}  RESTart\n")
+            (self.at / "first.inp").write_text(text)
+            (self.at / "next.inp").write_text(after)
+            whole = None
+            for stop in (0, 1, 2, 10, 15):
+                with self.subTest(stop=stop, factor=factor):
+                    self.assertEqual(self.run_bezel("--name", "x", "first.inp").returncode, 0)
+                    env = {**os.environ, **({"BEZEL_STOP": str(stop)} if stop else {})}
+                    done = self.run_bezel("--name", "x", "next.inp", env=env)
+                    self.assertEqual(done.returncode, 4 if stop else 0, done.stderr)
+                    if stop:
+                        done = self.run_bezel(
+                            "--name", "x", "--restart", "x.restart.h5", "next.inp"
+                        )
+                        self.assertEqual(done.returncode, 0, done.stderr)
+                    rows = (self.at / "x_force.dat").read_text()
+                    self.assertEqual(rows.count("\n"), 5)
+                    whole = whole or rows
+                    self.assertEqual(rows, whole)
+
     def test_a_script_continues_a_deck_whatever_its_ending(self):
         script = TOP / "input/slurm/many_decks.sh"
         (self.at / "deck.dat").write_text(self.deck)
