@@ -162,6 +162,7 @@ contains
     real(wp), allocatable :: reals(:)
     integer, allocatable :: integers(:)
     integer, parameter :: MOST = 10000 !! largest number of values
+    integer, parameter :: BYTE = 255   !! largest number of a character, as in UTF-8
     integer :: i, k, count(1), ncol, nrow, type(1)
 
     call enter_group(archive, group, error)
@@ -187,7 +188,7 @@ contains
             call put(archive%file, path, value%integers, error)
             call sum_integers(archive, path, value%integers, error)
           case default
-            integers = [(iachar(value%text(i:i)), i=1, len(value%text))]
+            integers = [(iand(iachar(value%text(i:i)), BYTE), i=1, len(value%text))]
             call reserve(archive%file, path, AS_UINT8, 0, size(integers, kind=i8), error)
             call put(archive%file, path, integers, error)
             call sum_integers(archive, path, integers, error)
@@ -211,7 +212,7 @@ contains
           integers = spread(0, 1, nrow)
           call get(archive%file, path, integers, error)
           call sum_integers(archive, path, integers, error)
-          if (any(integers < 0 .or. integers > 127) .and. type(1) == TEXT_VALUE) then
+          if (any(integers < 0 .or. integers > BYTE) .and. type(1) == TEXT_VALUE) then
             call refuse_value(path, error)
           end if
           if (allocated(error)) return
@@ -220,7 +221,7 @@ contains
           else
             text = repeat(' ', nrow)
             do i = 1, nrow
-              text(i:i) = achar(integers(i))
+              text(i:i) = char(integers(i))
             end do
             call put_value(values, name, text)
           end if

@@ -413,6 +413,22 @@ class Names(Folder):
         self.run_as("box", options=("--restart", "box.restart.h5"))
         self.assertEqual(json.loads((self.at / "box.report.json").read_text())["final"], final)
 
+    def test_names_may_have_letters_outside_ascii(self):
+        """A warning that quotes such a name is in the checkpoint."""
+        text = self.deck.replace(",a,", ",träger,").replace(" a ", " träger ")
+        text = text.replace("PATCh,a", "PATCh,träger").replace(
+            "FIX,", "FIX,klötzchen,3+ 1 1 1\nFIX,", 1
+        )
+        body = "PATCh,klötzchen\n  BOX 0 0 1  1 1 1\n  ELEMents 2 2 1\n  TYPE Q1\n  MATErial 1\n\n"
+        self.deck = text.replace("PATCh,", body + "PATCh,", 1)
+        said = self.run_as("box")
+        self.assertIn("klötzchen", said)
+        before = self.table("box")
+        self.run_as("box", options=("--restart", "box.restart.h5"))
+        self.assertEqual(self.table("box"), before)
+        warnings = json.loads((self.at / "box.report.json").read_text())["warnings"]
+        self.assertIn("klötzchen", " ".join(warnings))
+
     def steps(self, name):
         with h5py.File(self.at / name) as file:
             return list(file["VTKHDF/Steps/StepNumber"])
