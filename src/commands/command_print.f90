@@ -7,7 +7,10 @@ module command_print
   use base_log, only: warn
   use base_text, only: to_text
   use command_files, only: open_tables, keep_tables
-  use command_type, only: run_t, command_t, command_row_t, new_row, whole_field, check_fields
+  use command_type, only: run_t, command_t, command_row_t, new_row, whole_field, check_fields, &
+                          has_number
+  use input_numbers, only: warn_number
+  use mesh, only: is_rigid
   use newton, only: form_system
   use newton_type, only: pass_t
   use print_tables, only: print_displacements, print_reactions, print_stresses, print_nodal_stresses
@@ -104,7 +107,8 @@ contains
     end associate
   end function nodes_of_table
 
-  !> Warn if no node lies on the plane of COOR, or if a range ends before it begins.
+  !> Warn if no node lies on the plane of COOR, if a range ends before it begins, or if its numbers
+  !! are not those of the nodes or elements that are meant.
   subroutine warn_short(run, command, first, last, step)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
@@ -127,8 +131,63 @@ contains
                   //to_text(first)//' is printed', record%place(4), &
                   'give the smaller number first')
       end if
+      if (command%option == 'coor' .or. command%option == 'all') return
+      if (record%key(1) == 'stre' .and. command%option /= 'node') then
+        call warn_elements(run, command, first, last, step)
+      else if (has_number(command, 1)) then
+        call warn_nodes(run, command, first, last)
+      end if
     end associate
   end subroutine warn_short
+
+  !> Warn if the first or the last node of a range has another number in its mesh file, or belongs
+  !! to no element, as do those that TIE has joined with others. The range of all nodes is accepted.
+  subroutine warn_nodes(run, command, first, last)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last
+    integer :: i, node
+    logical :: told
+
+    associate (mesh => run%model%mesh, record => command%record)
+      if (first == 1 .and. last == mesh%nnode) return
+      told = .false.
+      do i = 1, merge(1, 2, first == last)
+        node = merge(first, last, i == 1)
+        call warn_number(mesh, node, record%place(i + 2), told)
+        if (mesh%used(node)) cycle
+        call warn('node '//to_text(node)//' is not in the table of '//record%text(1) &
+                  //', because it belongs to no element', record%place(i + 2), &
+                  'if TIE has joined it with another node, give the lowest number of these, or ' &
+                  //record%text(1)//',COOR')
+        return
+      end do
+    end associate
+  end subroutine warn_nodes
+
+  !> Warn if no element has a number of the range.
+  subroutine warn_elements(run, command, first, last, step)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+    integer, intent(in) :: first, last, step
+    integer :: b, least, most
+
+    least = huge(1)
+    most = 0
+    do b = 1, size(run%model%mesh%block)
+      if (is_rigid(run%model%mesh%block(b))) cycle
+      associate (number => run%model%mesh%block(b)%number)
+        if (any(number >= first .and. number <= last .and. &
+                modulo(number - first, step) == 0)) return
+        least = min(least, minval(number))
+        most = max(most, maxval(number))
+      end associate
+    end do
+    if (most == 0) return
+    call warn('no element has a number from '//to_text(first)//' to '//to_text(last) &
+              //': the table of '//command%record%text(1)//' is empty', command%record%place(1), &
+              'the numbers of elements are between '//to_text(least)//' and '//to_text(most))
+  end subroutine warn_elements
 
   subroutine read_range(run, command, first, last, step, error)
     type(run_t), intent(in) :: run

@@ -183,3 +183,37 @@ STOP
         for before, after in ((1, 2), (3, 4), (5, 6), (5, 7)):
             self.assertEqual(rows[before], rows[after])
         self.assertNotEqual(rows[1], rows[3])
+
+
+class Numbers(Folder):
+    """A range whose numbers are not those of the nodes or elements that are meant."""
+
+    def warnings(self, text, *commands, code=0):
+        """What a deck says if its last batch ends with these commands."""
+        head, tail = text.rsplit("\nEND\n", 1)
+        text = "\n".join([head, *(f"  {command}" for command in commands), f"END\n{tail}"])
+        (self.at / "next.inp").write_text(text)
+        done = self.run_bezel("next.inp")
+        self.assertEqual(done.returncode, code, done.stderr)
+        return done.stderr
+
+    def test_numbers_of_a_mesh_file(self):
+        shutil.copy(TOP / "input/manual/mesh.msh", self.at)
+        text = (TOP / "input/manual/mesh.inp").read_text()
+        said = self.warnings(text, "DISP,,17", "REAC,,17", "STRE,NODE,17")
+        self.assertEqual(said.count("node 17 of the model is node"), 3)
+        said = self.warnings(text, "STRE,,1,2")
+        self.assertIn("no element has a number from 1 to 2: the table of STRE is empty", said)
+        self.assertNotIn("warning:", self.warnings(text, "DISP,ALL", "DISP", "STRE", "STRE,,65,70"))
+
+    def test_nodes_that_tie_has_joined(self):
+        second = "\nPATCh,b\n  BOX 0 0 1  1 1 1\n  ELEMents 1 1 1\n  TYPE Q1\n  MATErial 1\n\nTIE\n"
+        text = self.deck.replace("  n = 2", "  n = 1").replace("\nFIX,", f"{second}\nFIX,", 1)
+        text = text.replace("MOVE,a,", "MOVE,b,")
+        for table in ("DISP,,9", "REAC,,9", "STRE,NODE,9", "DISP,,9,13", "DISP,,5,9"):
+            said = self.warnings(text, table)
+            self.assertIn(f"node 9 is not in the table of {table[:4]}", said)
+            self.assertEqual(said.count("warning:"), 1)
+        for table in ("DISP,,5", "DISP,,1,16", "DISP,ALL", "REAC", "DISP,,13,16"):
+            self.assertNotIn("warning:", self.warnings(text, table))
+
