@@ -82,12 +82,27 @@ contains
       case ('disp')
         call print_displacements(out, model, state, list, error)
       case ('reac')
-        call print_reactions(out, model, state, list, error)
+        call print_reactions(out, model, state, formed_factors(run), list, error)
       case default
         call print_nodal_stresses(out, model, state, list, error)
       end select
     end associate
   end subroutine write_table
+
+  !> The load factors with which the reactions were formed: those of the current step or, before
+  !! forces have been formed in it, those at the end of the previous one.
+  function formed_factors(run) result(factor)
+    type(run_t), intent(in) :: run
+    real(wp), allocatable :: factor(:)
+
+    if (run%step%open .and. .not. run%step%newton%begins) then
+      factor = run%state%factor
+    else if (allocated(run%state%factor_step)) then
+      factor = run%state%factor_step
+    else
+      factor = [0.0_wp] ! no forces have been formed
+    end if
+  end function formed_factors
 
   !> Nodes of a table: those from `first` to `last` that exist or, with COOR, those on the plane.
   function nodes_of_table(run, command, first, last, step) result(list)

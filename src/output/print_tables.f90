@@ -39,10 +39,11 @@ contains
 
   !> Print reactions as FEAP defines them (nodal forces are not subtracted), their sums over the
   !! printed nodes and over all nodes, the sums of their magnitudes, and the measure of work u.R.
-  subroutine print_reactions(file, model, state, node, error)
+  subroutine print_reactions(file, model, state, factor, node, error)
     type(byte_file_t), intent(in) :: file
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: factor(:) !! load factors with which state%reaction was formed
     integer, intent(in) :: node(:)
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: text
@@ -51,7 +52,7 @@ contains
     integer :: i
 
     allocate (r(3, model%mesh%nnode))
-    r = reactions_at(model, state, [(i, i=1, model%mesh%nnode)])
+    r = reactions_at(model, state, factor, [(i, i=1, model%mesh%nnode)])
     text = heading('N o d a l    R e a c t i o n s', model, state)//LF// &
            '    Node          1 dof          2 dof          3 dof'//LF
     call write_text(file, text, error)

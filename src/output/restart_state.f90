@@ -37,7 +37,7 @@ contains
     call exchange(archive, group//'/reaction', state%reaction, error)
     if (.not. archive%writes) state%reaction_step = state%reaction
     call exchange_list(archive, group//'/factor', state%factor, error)
-    if (.not. archive%writes .and. state%step > 0) state%factor_step = state%factor
+    call exchange_list(archive, group//'/factor_step', state%factor_step, error)
     call exchange_tables(archive, group//'/table', state%table, error)
     do b = 1, size(state%history)
       path = group//numbered('/history', b)

@@ -30,7 +30,7 @@ contains
       value = sum(state%reaction(quantity%component, quantity%node))
     case (Q_NODAL)
       allocate (r(3, size(quantity%node)))
-      r = reactions_at(model, state, quantity%node)
+      r = reactions_at(model, state, state%factor, quantity%node)
       value = sum(r(quantity%component, :))
     case (Q_TORQUE)
       value = torque(model, state, quantity)

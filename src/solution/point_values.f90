@@ -50,9 +50,10 @@ contains
   end function stress_at
 
   !> Nodal internal forces minus the forces of body forces and pressures.
-  pure function reactions_at(model, state, node) result(r)
+  pure function reactions_at(model, state, factor, node) result(r)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: factor(:)             !! with which state%reaction was formed
     integer, intent(in) :: node(:)
     real(wp) :: r(3, size(node))                  !! [F]
     integer :: i, d
@@ -62,7 +63,7 @@ contains
         r(:, i) = state%reaction(:, n)
         if (.not. allocated(model%bc%force)) cycle
         do d = 1, 3
-          r(d, i) = r(d, i) + model%bc%force(d, n)*load_factor(state%factor, model%bc%table(d, n))
+          r(d, i) = r(d, i) + model%bc%force(d, n)*load_factor(factor, model%bc%table(d, n))
         end do
       end associate
     end do

@@ -217,3 +217,34 @@ class Numbers(Folder):
         for table in ("DISP,,5", "DISP,,1,16", "DISP,ALL", "REAC", "DISP,,13,16"):
             self.assertNotIn("warning:", self.warnings(text, table))
 
+class Reactions(Folder):
+    """Reactions are those of the state that is printed."""
+
+    def sums(self, *commands, after=""):
+        """The third components of the sums over all nodes in the tables of a deck with a force."""
+        text = self.deck.replace(
+            "MOVE,a,3+ TRANslate 0 0 -way PROP 1", "EFORce\n  3 1.0  0 0 0.1\n"
+        )
+        head, _ = text.split("  LOOP,time")
+        batch = "\n".join(f"  {command}" for command in commands)
+        (self.at / "next.inp").write_text(f"{head}{batch}\nEND\n2 1\n0 0\n1 1\n\n{after}\nSTOP\n")
+        done = self.run_bezel("next.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = (self.at / "next.out").read_text().splitlines()
+        return [float(line.split()[-1]) for line in lines if line.split()[:1] == ["Sum"]]
+
+    def test_before_the_first_solve_of_a_step_they_have_the_loads_of_the_last_one(self):
+        solve = ("LOOP,,20", "TANG,,1", "NEXT")
+        sums = self.sums("TIME", *solve, "REAC", "TIME", "REAC", *solve, "REAC")
+        self.assertEqual(len(sums), 3)
+        for found in sums:
+            self.assertAlmostEqual(found, 0.0, 9)
+
+    def test_another_load_table_between_two_steps_does_not_act_on_them(self):
+        solve = ("LOOP,,20", "TANG,,1", "NEXT")
+        sums = self.sums("REAC", "TIME", *solve, "PROP,,1", "REAC", after="1 0 0 100 5\n")
+        self.assertEqual(len(sums), 2)
+        for found in sums:
+            self.assertAlmostEqual(found, 0.0, 9)
+
+
