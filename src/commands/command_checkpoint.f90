@@ -224,6 +224,7 @@ contains
     call exchange(x, 'turn_warned', run%plan%turn_warned)
     call exchange(x, 'strain_warned', run%plan%strain_warned)
     call exchange(x, 'inverted_warned', run%plan%inverted_warned)
+    call exchange(x, 'idle_warned', run%plan%idle_warned)
     call exchange_warnings(x)
     call exchange_tables(x, run%plan)
     call exchange(x, 'output_every', run%plan%every)

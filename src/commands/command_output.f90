@@ -1,6 +1,7 @@
 !> PLOT, OUTPut, SAVE: which output is written, and when.
 module command_output
   use base_error, only: error_t, fail, DECK_ERROR
+  use base_log, only: warn
   use base_text, only: to_text, quoted
   use command_checkpoint, only: write_checkpoint
   use command_files, only: open_files, write_fields
@@ -34,8 +35,12 @@ contains
     logical :: saves
 
     saves = command%record%key(1) == 'save'
-    if (saves) call check_fields(command, 0, 'SAVE', error) ! FEAP may name a file
-    if (allocated(error) .or. run%program%dry) return
+    if (saves) call check_fields(command, 0, 'SAVE', error)
+    if (allocated(error)) return
+    if (run%program%dry) then
+      if (saves .and. command%visit == 1) call warn_name(run, command)
+      return
+    end if
     if (run%step%open) then
       run%plan%save = run%plan%save .or. saves
       run%plan%plot = run%plan%plot .or. .not. saves
@@ -48,6 +53,18 @@ contains
       if (.not. allocated(error)) call write_fields(run, error)
     end if
   end subroutine run_plot_or_save
+
+  !> Warn if a SAVE names a file, as in FEAP.
+  subroutine warn_name(run, command)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+
+    if (command%record%is_empty(2)) return
+    call warn('SAVE does not use the name '//quoted(command%record%text(2))//': all checkpoints ' &
+              //'go to one file, which contains only the last two', command%record%place(2), &
+              'the file is '//quoted(run%files%stem//'.restart.h5')//'; let one deck end at each ' &
+              //'state that is needed later')
+  end subroutine warn_name
 
   !> Read OUTPut,,every n [fields]: every n-th step is written, with the fields that are named, or
   !! else the default ones. A result file has a single set of fields, so every OUTPut of a deck must

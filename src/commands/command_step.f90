@@ -88,6 +88,7 @@ contains
     type(run_t), intent(inout) :: run
     logical, intent(in) :: timed         !! TIME began the step
     type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: word
     logical :: plots, saves
 
     plots = run%plan%plot
@@ -96,8 +97,13 @@ contains
     run%plan%save = .false.
     if (.not. (plots .or. saves)) return
     if (timed) then
-      call warn('PLOT and SAVE write nothing in a step that TIME begins and in which nothing is ' &
-                //'solved', current_place(run%program), 'solve the step with TANG or UTAN before')
+      word = 'PLOT'
+      if (.not. plots) word = 'SAVE'
+      if (.not. run%plan%idle_warned) call warn(word//' has no effect after a TIME that no ' &
+                                                //'TANG,,1 or UTAN,,1 follows, because the state ' &
+                                                //'is that of the step before', &
+                                                hint='put '//word//' after the solve')
+      run%plan%idle_warned = .true.
       return
     end if
     if (plots) then

@@ -130,6 +130,26 @@ contains
     run%plan%inverted_warned = .true.
   end subroutine watch_corners
 
+  !> Warn if the interval of OUTPut or TPLOt is longer than the run, so that nothing was written.
+  subroutine warn_intervals(run)
+    type(run_t), intent(in) :: run
+    integer :: i
+
+    if (run%state%step == 0) return
+    if (run%plan%every > run%state%step .and. run%files%fields_step < 0) then
+      call warn('OUTPut wrote no fields: the run has '//to_text(run%state%step) &
+                //' steps, and OUTPut writes every '//to_text(run%plan%every)//'th one', &
+                hint='put a PLOT behind the loop, or give OUTPut a smaller number')
+    end if
+    if (.not. allocated(run%files%last_row)) return
+    do i = 1, size(run%model%curve)
+      if (run%model%curve(i)%name /= 'tplot' .or. allocated(run%files%last_row(i)%value)) cycle
+      call warn('TPLOt wrote no row: the run has '//to_text(run%state%step) &
+                //' steps, and TPLOt writes every '//to_text(run%plan%tplot_every)//'th one', &
+                run%model%curve(i)%place, 'give TPLOt a smaller number')
+    end do
+  end subroutine warn_intervals
+
   !> At the end of a run, warn about loads and friction that never acted, and about results that the
   !! whole run has shown to be doubtful.
   subroutine watch_end(run)
@@ -137,6 +157,7 @@ contains
     integer :: c
 
     call watch_tables_end(run)
+    call warn_intervals(run)
     call warn_growth(run%state)
     call warn_rounding(run%step)
     call warn_small_patches(run%model, run%state)

@@ -217,6 +217,25 @@ class Numbers(Folder):
         for table in ("DISP,,5", "DISP,,1,16", "DISP,ALL", "REAC", "DISP,,13,16"):
             self.assertNotIn("warning:", self.warnings(text, table))
 
+    def test_an_interval_that_is_longer_than_the_run(self):
+        text = self.deck.replace("time,10", "time,3").replace(
+            "ends ends\n", "ends ends\n\ndisp,27,3\n\n"
+        )
+        for every, n in ((5, 1), (3, 0)):
+            for word in ("OUTPut wrote no fields", "TPLOt wrote no row"):
+                command = f"  OUTPut,,every {every}\n" if word[0] == "O" else f"  TPLOt,,{every}\n"
+                deck = text.replace("  LOOP,time", f"{command}  LOOP,time")
+                if word[0] == "O":
+                    deck = deck.replace("\ndisp,27,3\n\n", "")
+                self.assertEqual(self.warnings(deck).count(word), n)
+
+    def test_save_with_the_name_of_a_file(self):
+        text = self.deck.replace("time,10", "time,1")
+        self.assertNotIn("warning:", self.warnings(text, "SAVE"))
+        said = self.warnings(text, "SAVE,mid")
+        self.assertIn("SAVE does not use the name 'mid'", said)
+
+
 class Reactions(Folder):
     """Reactions are those of the state that is printed."""
 
@@ -248,3 +267,22 @@ class Reactions(Folder):
             self.assertAlmostEqual(found, 0.0, 9)
 
 
+class Idle(Folder):
+    """PLOT and SAVE after a TIME without a solve."""
+
+    def test_plot_in_a_step_without_a_solve_does_not_act_on_the_next_one(self):
+        solve = "  LOOP,,20\n    TANG,,1\n  NEXT\n"
+        head, tail = self.deck.split("  LOOP,time")
+        tail = tail.split("END\n", 1)[1]
+        for word, left in (("PLOT", "next.vtkhdf"), ("SAVE", "next.restart.h5")):
+            batch = f"  TIME\n{solve}  TIME\n  {word}\n  TIME\n{solve}"
+            (self.at / "next.inp").write_text(f"{head}{batch}END\n{tail}")
+            done = self.run_bezel("next.inp")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn(f"{word} has no effect after a TIME that no TANG,,1", done.stderr)
+            self.assertFalse((self.at / left).exists())
+            batch = f"  TIME\n{solve}  TIME\n  {word}\n{solve}"
+            (self.at / "next.inp").write_text(f"{head}{batch}END\n{tail}")
+            done = self.run_bezel("next.inp")
+            self.assertNotIn("warning:", done.stderr)
+            self.assertTrue((self.at / left).exists())
