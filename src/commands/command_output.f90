@@ -21,7 +21,7 @@ contains
 
     row(1) = new_row('PLOT', 'PLOT', 9, run_plot_or_save)
     row(1)%reads = .true. ! FEAP's options need not be numbers
-    row(2) = new_row('OUTPut', 'OUTPut,,every n [fields]', 8, run_output)
+    row(2) = new_row('OUTPut', 'OUTPut,,every n [fields]', 3 + size(known_fields()), run_output)
     row(2)%reads = .true.
     row(3) = new_row('SAVE', 'SAVE', 2, run_plot_or_save)
   end function output_rows

@@ -24,6 +24,17 @@ class Contact(Folder):
                 self.assertGreater(values.max(), 0.99)
                 self.assertEqual(values.min(), 0.0)
 
+    def test_output_may_name_all_fields(self):
+        names = (
+            "displacement stress mises pressure reaction contact_gap contact_pressure contact_state"
+        )
+        deck = (HERE / "silent/pressed.inp").read_text()
+        deck = deck.replace("BATCh\n", f"BATCh\n  OUTPut,,every 1 {names}\n")
+        (self.at / "all.inp").write_text(deck)
+        done = self.run_bezel("all.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertLessEqual(set(names.split()), set(read_fields(self.at / "all.vtkhdf").arrays))
+
     def on_floor(self, name, field, *options):
         """Run a deck of the folder `silent`; return the x and the field of the points at z = 0."""
         (self.at / "d.inp").write_text((HERE / f"silent/{name}.inp").read_text())
