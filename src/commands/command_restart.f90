@@ -2,7 +2,7 @@
 module command_restart
   use base_agreement, only: agree
   use base_error, only: error_t, fail, DECK_ERROR
-  use base_file, only: file_t, inspect
+  use base_file, only: file_t, inspect, FILE_ABSENT
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
@@ -43,6 +43,7 @@ contains
     type(dynamics_t) :: dynamics
     type(state_t) :: state
     type(named_values_t) :: values
+    type(file_t) :: file
     character(:), allocatable :: changed
     integer :: i
 
@@ -55,6 +56,11 @@ contains
       end associate
       return
     end do
+    if (size(run%program%loop) > 0) then
+      call fail(error, DECK_ERROR, 'RESTart is in a LOOP, whose passes would all begin with the ' &
+                //'checkpoint', command%record%place(1), 'put RESTart before the LOOP')
+      return
+    end if
     if (.not. command%record%is_empty(3)) then
       if (command%record%key(3) /= 'cons') then
         call fail(error, DECK_ERROR, 'expected CONStants, found '//quoted(command%record%text(3)), &
@@ -66,7 +72,10 @@ contains
       call new_state(run%model, state)
       call read_state(run, command, state, values, changed, error)
       if (.not. allocated(error)) return
-      if (error%code /= DECK_ERROR) deallocate (error) ! the real run reports this error
+      call inspect(path_of(run, command), file)
+      if (error%code /= DECK_ERROR .and. file%kind /= FILE_ABSENT) then
+        deallocate (error) ! the real run reports this error
+      end if
       return
     end if
     table = run%state%table

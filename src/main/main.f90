@@ -74,6 +74,8 @@ program main
   call check_outputs(job, error)
   call stop_on(error)
   if (options%check) then
+    if (allocated(options%restart)) call restore_run(job, options%restart, error)
+    call stop_on(error)
     call print_check(job, error)
     call stop_on(error)
     call stop_comm(0, '')

@@ -429,6 +429,19 @@ class Names(Folder):
         warnings = json.loads((self.at / "box.report.json").read_text())["warnings"]
         self.assertIn("klötzchen", " ".join(warnings))
 
+    def test_a_checkpoint_that_does_not_exist_is_found_before_anything_is_written(self):
+        log = (self.at / "box.log").read_text()
+        text = self.deck.replace("BATCh\n", "BATCh\n  RESTart,none.h5\n")
+        (self.at / "next.inp").write_text(text)
+        for words in (("next.inp",), ("box.inp", "--restart", "none.h5")):
+            for more in (("--check",), ()):
+                done = self.run_bezel("--name", "box", *more, *words)
+                self.assertEqual(done.returncode, 3, done.stderr)
+                self.assertIn("none.h5", done.stderr)
+                self.assertNotIn("no problems found", done.stdout)
+                if more or len(words) == 1:
+                    self.assertEqual((self.at / "box.log").read_text(), log)
+
     def steps(self, name):
         with h5py.File(self.at / name) as file:
             return list(file["VTKHDF/Steps/StepNumber"])
