@@ -107,7 +107,7 @@ contains
 
     if (run%step%open) then
       call abandon_step(run%step, run%state)
-      call rewind_program(run%program, run%deck%params)
+      call rewind_program(run%program, run%deck%params, run%plan%prints)
       call cut_tables(run, error)
       call agree(error)
       if (allocated(error)) return

@@ -27,7 +27,7 @@ contains
     integer, intent(in), optional :: left !! targets that remain in the loop; absent without TIME
 
     if (.not. allocated(run%plan%closed_at)) run%plan%closed_at = run%state%time
-    call save_position(run%program, run%deck%params)
+    call save_position(run%program, run%deck%params, run%plan%prints)
     call begin_step(run%step, run%model, run%state, left)
   end subroutine open_step_here
 
@@ -40,7 +40,7 @@ contains
 
     if (outcome == STEP_CONVERGED) call leave_loop(run%program)
     if (outcome /= STEP_REWOUND) return
-    call rewind_program(run%program, run%deck%params)
+    call rewind_program(run%program, run%deck%params, run%plan%prints)
     run%program%counter = run%program%counter - 1 ! the main loop adds one
     run%plan%plot = .false.
     run%plan%save = .false.
@@ -67,7 +67,8 @@ contains
     if (rewound) return
     call keep_tables(run)
     short = timed .and. run%step%control%automatic .and. .not. on_target(run%step%control)
-    if (short) call rewind_program(run%program, run%deck%params) ! a checkpoint contains this
+    ! A checkpoint contains this position.
+    if (short) call rewind_program(run%program, run%deck%params, run%plan%prints)
     if (outcome == STEP_ACCEPTED) then
       call watch_step(run)
       run%plan%closed_at = run%state%time

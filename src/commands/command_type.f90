@@ -72,6 +72,7 @@ module command_type
     type(loop_t), allocatable :: loop(:)
     integer, allocatable :: visit(:)            !! visits of each command
     type(params_t) :: params
+    logical :: prints = .true.                  !! see plan_t
   end type position_t
 
   !> The commands of the deck, and the current position in them (see program_position).

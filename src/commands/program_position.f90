@@ -12,29 +12,33 @@ module program_position
 contains
 
   !> Save the position: a step begins with the command at the counter.
-  subroutine save_position(program, params)
+  subroutine save_position(program, params, prints)
     type(program_t), intent(inout) :: program
     type(params_t), intent(in) :: params !! parameters of the deck
+    logical, intent(in) :: prints        !! printed tables are on
 
     associate (position => program%step_start)
       position%counter = program%counter
       position%loop = program%loop
       position%visit = program%command(:)%visit
       position%params = params
+      position%prints = prints
     end associate
   end subroutine save_position
 
   !> Go back to the position at which the step began: the counter is that of the command that began
   !! it.
-  subroutine rewind_program(program, params)
+  subroutine rewind_program(program, params, prints)
     type(program_t), intent(inout) :: program
     type(params_t), intent(inout) :: params
+    logical, intent(inout) :: prints
 
     associate (position => program%step_start)
       program%counter = position%counter
       program%loop = position%loop
       program%command(:)%visit = position%visit
       params = position%params
+      prints = position%prints
     end associate
   end subroutine rewind_program
 

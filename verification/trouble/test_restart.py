@@ -585,6 +585,22 @@ class Stops(Folder):
                     whole = whole or rows
                     self.assertEqual(rows, whole)
 
+    def test_noprint_after_a_table_does_not_remove_those_of_the_rest_of_the_step(self):
+        """A step that is reached in several parts has the table of its end."""
+        deck = self.changed(
+            "parts",
+            ("  DT,,0.1\n", "  DT,,0.1\n  AUTO,,0.01,0.1\n"),
+            ("LOOP,newton,20\n      TANG,,1\n    NEXT,newton\n    SAVE\n",
+             "TANG,,1\n    TANG,,1\n    TANG,,1\n    DISP,,27\n    NOPRint\n"),
+            ("NEXT,time\n", "NEXT,time\n  PRINt\n  DISP,,27\n"),
+            ("time,10", "time,1"), ("DT,,0.1\n", "DT,,1\n"), ("0.01,0.1", "0.01,1"), ("-way", "-3*way"),
+        )  # fmt: skip
+        done = self.run_bezel("parts.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = (self.at / "parts_force.dat").read_text().splitlines()[1:]
+        self.assertGreater(len(rows), 1)
+        self.assertEqual(deck.with_suffix(".out").read_text().count("Time"), len(rows) + 1)
+
     def test_a_script_continues_a_deck_whatever_its_ending(self):
         script = TOP / "input/slurm/many_decks.sh"
         (self.at / "deck.dat").write_text(self.deck)
