@@ -230,9 +230,9 @@ contains
         end if
         if (done .and. table%t(size(table%t)) < 0.0_wp) then
           call fail(error, DECK_ERROR, 'the pair 0 0 would end the table after time ' &
-                    //to_text(table%t(size(table%t)))//' (FEAP)', record%place(i), 'if the factor ' &
-                    //'0 at time 0 is meant, write a time such as 1e-12; otherwise end the table ' &
-                    //'with a blank record')
+                    //to_text(table%t(size(table%t)))//' (FEAP)', record%place(i), 'if a factor ' &
+                    //'of 0 at time 0 is meant, write a time such as 1e-12; otherwise end the ' &
+                    //'table with a blank record')
           return
         end if
         if (done) then

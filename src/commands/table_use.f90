@@ -134,8 +134,8 @@ contains
       if (old%kind == 1 .and. .not. old%tmax > old%tmin) return ! no PROP has defined it
       if (run%state%step == 0) then
         if (.not. equal(old, new)) then
-          call warn('PROP defines load table '//to_text(k)//' again before the first step, so the ' &
-                    //'first table never acts', place, 'give one of them another number: PROP,,k')
+          call warn('PROP defines load table '//to_text(k)//' again before the first step, so ' &
+                    //'the first table never acts', place, 'give one another number: PROP,,k')
         end if
         return
       end if

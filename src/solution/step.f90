@@ -522,8 +522,8 @@ contains
   end subroutine warn_lost_time
 
   !> Warn once if a motion (TRANsient) goes on after a step without TIME that has moved bodies: this
-  !! step was a static solve, and their velocities are those before it. Static steps before and after
-  !! a motion may be meant.
+  !! step was a static solve, and their velocities are those before it. Static steps before and
+  !! after a motion may be meant.
   subroutine warn_still(state, place, warned)
     type(state_t), intent(in) :: state
     type(place_t), intent(in) :: place
