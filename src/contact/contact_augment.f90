@@ -12,7 +12,10 @@
 !!   rise_1 = (d_1 + d_2)/2 - (p_1 - p_2)/2,   rise_2 = (d_1 + d_2)/2 + (p_1 - p_2)/2,
 !!
 !! where p is the pressure and d = p - multiplier is the part of p that is due to the penetration.
-!! For a body on a rigid surface, rise = d. With MORTar, the multipliers belong to control points,
+!! For a body on a rigid surface, rise = d. With PAIR, the multiplier of a bonded point is a
+!! pressure on its reference area, while p is a pressure on the current area. In d, the multiplier
+!! therefore has the weight area0/area, and the increment is divided by this weight. With MORTar,
+!! the multipliers belong to control points,
 !! and rise = d on both sides without smoothing.
 module contact_augment
   use base_kinds, only: wp
@@ -37,14 +40,16 @@ module contact_augment
 
 contains
 
-  !> Find the increments of both sides. A point without a projection loses its multiplier.
+  !> Find the increments of both sides. A point that has neither a projection nor a partner of PAIR
+  !! loses its multiplier.
   subroutine find_rise(contact, state, rise)
     type(contact_t), intent(in) :: contact
     type(contact_state_t), intent(in) :: state
     type(rise_t), intent(out) :: rise(2)
     type(smooth_t) :: pressed(2), pressure(2)
-    real(wp) :: d, p
-    integer :: e, i, k, q
+    real(wp), allocatable :: w(:) ! (np)
+    real(wp) :: d, p, xi(2)
+    integer :: e, i, k, other, q
 
     if (contact%scheme == MORTAR) then ! the multipliers are pressures of control points
       do k = 1, 2
@@ -55,7 +60,8 @@ contains
     do k = 1, 2
       if (contact%side(k)%rigid) cycle
       associate (points => state%side(k))
-        call smooth(contact, k, points, points%pressure - points%multiplier, pressed(k))
+        call smooth(contact, k, points, points%pressure &
+                    - weight(contact, points)*points%multiplier, pressed(k))
         call smooth(contact, k, points, points%pressure, pressure(k))
       end associate
     end do
@@ -66,23 +72,53 @@ contains
       end if
       associate (points => state%side(k))
         rise(k)%at = -points%multiplier
+        w = weight(contact, points)
         do i = 1, size(rise(k)%at)
-          if (points%closest(i) == 0) cycle
+          call facing(contact, points, i, other, xi)
+          if (other == 0) cycle
           e = (i - 1)/contact%nq + 1
           q = mod(i - 1, contact%nq) + 1
           d = value_at(contact, k, pressed(k), e, contact%xi(:, q))
-          rise(k)%at(i) = d
+          rise(k)%at(i) = d/w(i)
           if (contact%side(3 - k)%rigid) cycle
-          d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), points%closest(i), &
-                                   points%closest_xi(:, i)))
+          d = 0.5_wp*(d + value_at(contact, 3 - k, pressed(3 - k), other, xi))
           p = value_at(contact, k, pressure(k), e, contact%xi(:, q)) &
-              - value_at(contact, 3 - k, pressure(3 - k), points%closest(i), &
-                         points%closest_xi(:, i))
-          rise(k)%at(i) = d - 0.5_wp*p
+              - value_at(contact, 3 - k, pressure(3 - k), other, xi)
+          rise(k)%at(i) = (d - 0.5_wp*p)/w(i)
         end do
       end associate
     end do
   end subroutine find_rise
+
+  !> Pressure on the current area of each point that its multiplier alone causes, relative to the
+  !! multiplier. With PAIR, the pressure between a point and its partner acts on the reference area.
+  pure function weight(contact, points) result(w)
+    type(contact_t), intent(in) :: contact
+    type(contact_points_t), intent(in) :: points
+    real(wp) :: w(size(points%multiplier))
+
+    w = 1.0_wp
+    if (.not. contact%on_pair) return
+    where (points%bond > 0 .and. points%area > 0.0_wp) &
+      w = points%share + (1.0_wp - points%share)*points%area0/points%area
+  end function weight
+
+  !> The place on the other side at which the normal law of point i mainly acts: its projection or,
+  !! with PAIR, its partner.
+  pure subroutine facing(contact, points, i, e, xi)
+    type(contact_t), intent(in) :: contact
+    type(contact_points_t), intent(in) :: points
+    integer, intent(in) :: i
+    integer, intent(out) :: e                !! element; 0: there is none
+    real(wp), intent(out) :: xi(2)
+
+    e = points%closest(i)
+    xi = points%closest_xi(:, i)
+    if (.not. contact%on_pair .or. points%bond(i) == 0) return
+    if (points%share(i) > 0.5_wp) return
+    e = points%bond(i)
+    xi = points%bond_xi(:, i)
+  end subroutine facing
 
   !> The largest pressure or multiplier of side k in the last iteration, with which increments are
   !! compared [F/L^2]. Multipliers are included because those of the previous step remain where a

@@ -169,6 +169,7 @@ contains
     if (contact%friction%given) points%limit(i) = contact%friction%prop(MU)*bond%share &
                                                   *max(0.0_wp, point%p)
     if (points%bond(i) == 0) return
+    points%share(i) = bond%share
     points%pressed(i) = points%pressed(i) + points%area0(i)*bond%energy
     ratio = 0.0_wp
     if (da > 0.0_wp) ratio = points%area0(i)/da

@@ -54,6 +54,7 @@ contains
                   p%bond_traction(3, np), p%energy(3, np), source=0.0_wp)
         allocate (p%past(MAX_PAST, np), p%past_step(MAX_PAST, np), source=0.0_wp)
         allocate (p%gap(np), source=huge(1.0_wp))
+        allocate (p%share(np), source=1.0_wp)
         allocate (p%state(np), p%state_step(np), source=OPEN)
         allocate (p%beside(np), p%refined(np/max(1, contact%nq)), source=.false.)
         if (contact%scheme == MORTAR) then

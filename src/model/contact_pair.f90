@@ -166,6 +166,9 @@ module contact_pair
     real(wp), allocatable :: opening_step(:) !! (np) opening at the start of the step
     real(wp), allocatable :: energy(:, :) !! (3, np) elastic, damage, viscosity; per area [F/L]
     real(wp), allocatable :: bond_traction(:, :) !! (3, np) on area0 [F/L^2]
+    !> (np) PAIR: weight of the normal law at the current projection in the last assembly [-]; the
+    !! rest of the pressure acts between the point and its partner.
+    real(wp), allocatable :: share(:)
     !> Results of the last assembly.
     integer, allocatable :: state(:)         !! (np) OPEN, STICK, SLIP, TOUCH
     real(wp), allocatable :: gap(:)          !! (np) [L]; huge where there is no projection
