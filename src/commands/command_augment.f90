@@ -4,7 +4,8 @@
 !! smaller penetrations. The commands are LOOP,augment,n / LOOP,newton,m / UTAN,,1 / NEXT / AUGMent
 !! / NEXT. If no pressure would change by more than a tolerance (relative to the largest pressure or
 !! multiplier at present), nothing is changed and LOOP,augment ends. Nothing is changed in the last
-!! pass of this loop either, because no solve would follow.
+!! pass of this loop either if no solve follows in it. Before the first solve of a step, nothing is
+!! changed, because the pressures are those of the previous step.
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
@@ -18,6 +19,7 @@ module command_augment
   public :: augment_rows
 
   real(wp), parameter :: USUAL = 1.0e-3_wp !! default tolerance
+  character(4), parameter :: SOLVES(3) = ['tang', 'utan', 'solv']
 
 contains
 
@@ -64,7 +66,7 @@ contains
       end if
       return
     end if
-    if (.not. run%step%open) return
+    if (.not. (run%step%open .and. run%step%solved)) return
 
     associate (contact => run%state%contact)
       allocate (rise(2, size(contact)))
@@ -87,7 +89,7 @@ contains
                         //to_text(change)//' times the largest pressure')
         end if
         call leave_loop(run%program)
-      else if (is_last_pass(run%program)) then
+      else if (is_last_pass(run%program) .and. .not. solves_again(run%program)) then
         call log_line('  no augmentation in the last pass: pressures would still change by ' &
                       //'up to '//to_text(change)//' times the largest pressure')
       else
@@ -106,11 +108,23 @@ contains
     end associate
   end subroutine run_augment
 
+  !> Is there a solve between the command at the counter and the end of the innermost loop?
+  pure logical function solves_again(program) result(yes)
+    type(program_t), intent(in) :: program
+    integer :: i, top
+
+    yes = .false.
+    top = size(program%loop)
+    if (top == 0) return
+    do i = program%counter + 1, program%command(program%loop(top)%at)%matching
+      yes = yes .or. any(program%command(i)%record%key(1) == SOLVES)
+    end do
+  end function solves_again
+
   !> Is there a solve between the command at the counter and the next step, either in the commands
   !! that follow or, before TIME, in another pass of a loop?
   pure logical function is_followed(program) result(yes)
     type(program_t), intent(in) :: program
-    character(4), parameter :: SOLVES(3) = ['tang', 'utan', 'solv']
     integer :: i, j
 
     yes = .false.
