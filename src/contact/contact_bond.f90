@@ -12,8 +12,8 @@
 !! All tractions act on the reference area.
 module contact_bond
   use base_kinds, only: wp
-  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, release_of, &
-                          surface_t
+  use contact_pair, only: contact_t, contact_state_t, contact_points_t, bond_t, is_released, &
+                          release_of, surface_t
   use contact_point, only: energy_at_rest, outer
   use contact_type, only: cohesion_t, LARGEST_OPENINGS, LAST_OPENINGS, MAX_PAST
   use contact_work, only: work_t, new_work, measure, position_on, tangents_on
@@ -26,7 +26,7 @@ module contact_bond
   implicit none
   private
   public :: find_bonds, find_unbonded, find_opened_bonds, find_strength, find_broken_bonds, &
-            moves_bonds, bond_traction_t, find_bond_traction, needs_projection
+            moves_bonds, released_force, bond_traction_t, find_bond_traction, needs_projection
 
   !> Default of GAP, relative to the size of an element.
   real(wp), parameter, public :: CLOSE_BY = 1.0e-3_wp
@@ -305,6 +305,25 @@ contains
       end associate
     end do
   end function moves_bonds
+
+  !> The largest force that a bonded point could bear before its bond was released [F]; 0: no bond
+  !! is released.
+  pure real(wp) function released_force(contact, state) result(force)
+    type(contact_t), intent(in) :: contact
+    type(contact_state_t), intent(in) :: state
+    integer :: i, k
+
+    force = 0.0_wp
+    if (.not. contact%cohesive%given) return
+    do k = 1, 2
+      associate (points => state%side(k))
+        do i = 1, size(points%bond)
+          if (points%bond(i) == 0) cycle
+          if (is_released(contact, points, i)) force = max(force, contact%strength*points%area0(i))
+        end do
+      end associate
+    end do
+  end function released_force
 
   !> Does the traction of a bond still increase at the given normal opening?
   logical function stiffens(contact, opening)
