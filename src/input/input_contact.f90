@@ -165,6 +165,9 @@ contains
                 //'self-contact give the same surface twice')
       return
     end if
+    if (.not. contact%given_points) then ! the default suffices for any degree
+      contact%ngauss = max(contact%ngauss, highest_degree(contact)/2 + 1)
+    end if
     n = real(product(contact%ngauss), wp)*maxval(contact%side%nelem)
     if (contact%ncell > 1) n = n*(1 + contact%ncell**2)
     if (n > MOST_POINTS) then
@@ -192,14 +195,9 @@ contains
   !! degree 2 and 3 are not integrated even roughly.
   subroutine warn_few_points(contact)
     type(contact_t), intent(in) :: contact
-    integer :: degree, i, k
+    integer :: degree
 
-    degree = 0
-    do k = 1, 2
-      associate (basis => contact%side(k)%basis)
-        degree = max(degree, maxval([(maxval(basis(i)%degree), i=1, size(basis))]))
-      end associate
-    end do
+    degree = highest_degree(contact)
     if (2*minval(contact%ngauss) > degree) return
     call warn('QUADrature '//to_text(contact%ngauss(1))//' '//to_text(contact%ngauss(2)) &
               //' of contact '//quoted(contact%name)//' has too few points for functions of ' &
@@ -207,6 +205,19 @@ contains
               //'of contact are wrong', contact%place, &
               'leave out QUADrature, or use at least '//to_text(degree + 1)//' points')
   end subroutine warn_few_points
+
+  !> Highest degree of the functions of both surfaces.
+  pure integer function highest_degree(contact) result(degree)
+    type(contact_t), intent(in) :: contact
+    integer :: i, k
+
+    degree = 0
+    do k = 1, 2
+      associate (basis => contact%side(k)%basis)
+        degree = max(degree, maxval([(maxval(basis(i)%degree), i=1, size(basis))]))
+      end associate
+    end do
+  end function highest_degree
 
   !> Set the penalties that the deck leaves to AUTO. With MORTar, the part of the penalty that
   !! exceeds LOCKS times that of AUTO acts at control points, because it would cause locking at

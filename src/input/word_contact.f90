@@ -293,6 +293,7 @@ contains
     usage = with_options('QUADrature n1 n2', POINT_OPTION)
     associate (contact => entry%contact)
       call check_count(line, 3, huge(i), usage, error)
+      contact%given_points = .true.
       do i = 2, 3
         if (.not. allocated(error)) call read_number(i, 1, MAX_POINT, ' integration points', &
                                                      contact%ngauss(i - 1))

@@ -122,6 +122,7 @@ module contact_pair
     real(wp) :: depth = 0.0_wp               !! DEPTh: a deeper penetration is not contact [L]
     logical :: default_depth = .false.       !! the deck gives no DEPTh
     integer :: ngauss(2) = 5                 !! QUADrature: points of an element in each direction
+    logical :: given_points = .false.        !! the deck gives QUADrature
     integer :: ncell = 1                     !! REFIne: cells of a refined element in one direction
     !> Integration points of an element: first those of the plain rule, which is QUADrature without
     !! REFIne, then those of the cells of REFIne.
