@@ -9,6 +9,7 @@ module command_restart
   use command_checkpoint, only: recall_rows, set_restart_point
   use command_files, only: continue_tables, open_files
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use contact_report, only: renew_warnings
   use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
   use model, only: state_t
@@ -96,6 +97,7 @@ contains
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
+    call renew_warnings(run%model, run%state)
     call open_files(run, error)
     if (allocated(error)) return
     run%program%counter = run%program%counter + 1 ! the run can restart after this RESTart

@@ -22,7 +22,7 @@ module contact_report
   use tensor, only: cross
   implicit none
   private
-  public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty
+  public :: report_contact_changes, measure_contacts, find_jump, warn_soft_penalty, renew_warnings
 
   real(wp), parameter :: UNBALANCED = 0.02_wp !! relative difference of forces above which to warn
   !> Energy of penetration, divided by the work of supports and loads, above which this work cannot
@@ -192,16 +192,50 @@ contains
                       //'the motion, so friction hardly acts', contact%place, hint)
           end if
         end if
-        if (deepest > TOO_DEEP .and. .not. now%penetration_warned) then
+        if (now%deepest > TOO_DEEP .and. .not. now%penetration_warned) then
           now%penetration_warned = .true.
           call warn("contact '"//contact%name//"': surfaces penetrate by " &
-                    //to_text(100*deepest, 3)//' % of the width of an element or of the ' &
+                    //to_text(100*now%deepest, 3)//' % of the width of an element or of the ' &
                     //'thickness of a body', contact%place, stiffer(contact))
         end if
       end associate
     end do
     if (load > 0.0_wp) call follow_penetration(model, state)
   end subroutine measure_contacts
+
+  !> After RESTart, let the warnings of the run that wrote the checkpoint come again, because this
+  !! run has a report of its own. Those about measured values come in the next step. Those about
+  !! events, which do not occur again, are issued here.
+  subroutine renew_warnings(model, state)
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    integer :: c
+
+    do c = 1, size(model%contact)
+      associate (contact => model%contact(c), now => state%contact(c))
+        now%balance_warned = .false.
+        now%friction_warned = .false.
+        now%penetration_warned = .false.
+        if (now%depth_warned) then
+          call warn("contact '"//contact%name//"': before the checkpoint, points that were in " &
+                    //'contact have become deeper than DEPTh, where contact no longer acts: the ' &
+                    //'bodies pass through each other', contact%place, &
+                    'use a stiffer penalty or a larger DEPTh in the run that wrote the checkpoint')
+        end if
+        if (now%break_warned) then
+          call warn("contact '"//contact%name//"': before the checkpoint, most bonds broke " &
+                    //'within one step, so that the curves miss the largest force', contact%place, &
+                    'take smaller steps in the run that wrote the checkpoint')
+        end if
+        if (now%oblique_warned) then
+          call warn("contact '"//contact%name//"': before the checkpoint, a force suddenly acted " &
+                    //'between faces that are not opposite each other: a body may stand on its ' &
+                    //'edge', contact%place, 'see the warning in the log of the run that wrote ' &
+                    //'the checkpoint')
+        end if
+      end associate
+    end do
+  end subroutine renew_warnings
 
   !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
   !! loads at that time. Bonds may do work too, if they have a gap at the start, so their energies

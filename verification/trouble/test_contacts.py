@@ -86,3 +86,29 @@ class Contacts(Folder):
         warnings = self.run_deck("a", (HERE / "silent" / "bonds_all_broken.inp").read_text())
         self.assertEqual(len(warnings), 1, warnings)
         self.assertIn("of the bonds break within step 1", warnings[0])
+
+    def test_warnings_come_again_in_a_run_that_continues_the_checkpoint(self):
+        """Each run has a report of its own; with --restart, the report keeps its warnings."""
+        text = self.without(PRESS)
+        said = "surfaces penetrate by"
+        self.assertIn(said, " ".join(self.run_deck("a", text)))
+        warnings = self.run_deck("b", self.restarted(text))
+        self.assertEqual(sum(said in warning for warning in warnings), 1, warnings)
+        soft = text.replace("PENAlty 100", "PENAlty 1")
+        soft = self.restarted(soft).replace(".h5\n", ".h5,CONStants\n")
+        warnings = self.run_deck("c", soft)
+        self.assertEqual(sum(said in warning for warning in warnings), 1, warnings)
+        shutil.copy(self.at / "a.restart.h5", self.at / "first.h5")
+        warnings = self.run_deck("a", text, "--restart", "first.h5")
+        self.assertEqual(sum(said in warning for warning in warnings), 1, warnings)
+
+    def test_events_before_the_checkpoint_are_warned_of_again(self):
+        """Bonds that have broken do not break again."""
+        text = (HERE / "silent" / "bonds_all_broken.inp").read_text()
+        text = text.replace("  NEXT,newton\n", "  NEXT,newton\n  SAVE\n")
+        warnings = self.run_deck("a", text)
+        self.assertEqual(len(warnings), 1, warnings)
+        self.assertIn("of the bonds break within step 1", warnings[0])
+        warnings = self.run_deck("b", self.restarted(text))
+        self.assertEqual(len(warnings), 1, warnings)
+        self.assertIn("before the checkpoint, most bonds broke within one step", warnings[0])
