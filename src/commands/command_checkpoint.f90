@@ -10,6 +10,7 @@ module command_checkpoint
   use base_text, only: quoted, to_text
   use command_files, only: cut_tables, close_files, row_label
   use command_type, only: files_t, plan_t, program_t, run_t
+  use contact_augment, only: is_augmented, share_penalty
   use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use linear_system, only: FULL
@@ -21,7 +22,8 @@ module command_checkpoint
   use step, only: abandon_step
   implicit none
   private
-  public :: write_checkpoint, set_restart_point, restore_run, recall_rows, stop_wanted, stop_run
+  public :: write_checkpoint, set_restart_point, restore_run, recall_rows, stop_wanted, stop_run, &
+            keep_multipliers
 
   ! FORMAT of restart_file must be increased whenever the names or the meaning of the values here
   ! change.
@@ -77,6 +79,7 @@ contains
     call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
     call read_checkpoint(path, print, run%state, exchanged%values, error)
     if (allocated(error)) return
+    call keep_multipliers(run)
     exchanged%writes = .false.
     call exchange_run(exchanged, run)
     if (.not. exchanged%whole) then
@@ -88,6 +91,17 @@ contains
     run%files%checkpoint = path
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
   end subroutine restore_run
+
+  !> After the state has been read: multipliers of control points act together with a penalty there,
+  !! also if the deck has no AUGMent.
+  subroutine keep_multipliers(run)
+    type(run_t), intent(inout) :: run
+    integer :: c
+
+    do c = 1, size(run%model%contact)
+      if (is_augmented(run%state%contact(c))) call share_penalty(run%model%contact(c))
+    end do
+  end subroutine keep_multipliers
 
   !> Has a signal to stop been received, or has the time limit been reached, on any rank?
   function stop_wanted(run) result(yes)

@@ -10,8 +10,9 @@ module command_doubts
   use table_use, only: warn_tables
   implicit none
   private
-  public :: warn_commands
+  public :: warn_commands, warn_kept_multipliers
 
+  character(4), parameter :: GIVES(3) = ['tang', 'utan', 'solv'] !! commands that solve
   character(4), parameter :: SOLVES(4) = ['tang', 'utan', 'solv', 'form']
 
 contains
@@ -100,15 +101,12 @@ contains
   !> Warn of steps without AUGMent after steps with it, because multipliers change only in AUGMent.
   subroutine warn_multipliers(run)
     type(run_t), intent(in) :: run
-    integer :: i, from, to
+    integer :: i
 
     if (first(run, 'augm') == 0) return
     associate (list => run%program%command)
       do i = first(run, 'augm'), size(list)
-        if (list(i)%record%key(1) /= 'time') cycle
-        call find_step(run, i, from, to)
-        if (.not. has_any(run, from, to, ['tang', 'utan', 'solv'])) cycle
-        if (has_any(run, from, to, ['augm'])) cycle
+        if (.not. lacks_augment(run, i)) cycle
         call warn('the steps of this TIME have no AUGMent, but steps before them have: their ' &
                   //'multipliers stay as they are, so that contact forces act across gaps ' &
                   //'that open', list(i)%record%place(1), &
@@ -117,6 +115,38 @@ contains
       end do
     end associate
   end subroutine warn_multipliers
+
+  !> Warn of steps without AUGMent, or of a deck without it, after the RESTart of a run with it. If
+  !! AUGMent comes before these steps, warn_multipliers has warned.
+  subroutine warn_kept_multipliers(run, restart)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: restart       !! position of RESTart
+    integer :: i
+
+    associate (list => run%program%command)
+      do i = restart, size(list)
+        if (list(i)%record%key(1) == 'augm') return
+        if (lacks_augment(run, i)) exit
+      end do
+      if (i > size(list) .and. .not. has_any(run, restart, size(list), GIVES)) return
+      call warn('the checkpoint contains multipliers of AUGMent, but steps after this RESTart ' &
+                //'have no AUGMent: their multipliers stay as they are, so that contact forces ' &
+                //'act across gaps that open', list(restart)%record%place(1), &
+                'put AUGMent into these steps, too, as in LOOP,augment,n of the first run')
+    end associate
+  end subroutine warn_kept_multipliers
+
+  !> Does command i begin steps with solves, but without AUGMent?
+  pure logical function lacks_augment(run, i) result(yes)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    integer :: from, to
+
+    yes = run%program%command(i)%record%key(1) == 'time'
+    if (.not. yes) return
+    call find_step(run, i, from, to)
+    yes = has_any(run, from, to, GIVES) .and. .not. has_any(run, from, to, ['augm'])
+  end function lacks_augment
 
   !> The commands of the steps that the TIME at a position begins: those from it to the next TIME,
   !! and in a loop the whole loop if it has no other TIME.

@@ -6,9 +6,11 @@ module command_restart
   use base_kinds, only: wp
   use base_log, only: log_line, warn
   use base_text, only: to_text, quoted
-  use command_checkpoint, only: recall_rows, set_restart_point
+  use command_checkpoint, only: keep_multipliers, recall_rows, set_restart_point
+  use command_doubts, only: warn_kept_multipliers
   use command_files, only: continue_tables, open_files
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use contact_augment, only: is_augmented
   use contact_report, only: renew_warnings
   use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
@@ -85,6 +87,7 @@ contains
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call keep_integration(run, command, dynamics)
+    call keep_multipliers(run)
     call set_factors(run%state)
     associate (control => run%step%control)
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
@@ -98,6 +101,9 @@ contains
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
     call renew_warnings(run%model, run%state)
+    if (any([(is_augmented(run%state%contact(i)), i=1, size(run%state%contact))])) then
+      call warn_kept_multipliers(run, run%program%counter)
+    end if
     call open_files(run, error)
     if (allocated(error)) return
     run%program%counter = run%program%counter + 1 ! the run can restart after this RESTart

@@ -25,7 +25,7 @@ module contact_augment
   use contact_work, only: element_functions
   implicit none
   private
-  public :: rise_t, find_rise, largest_pressure, take_rise, share_penalty
+  public :: rise_t, find_rise, largest_pressure, take_rise, share_penalty, is_augmented
 
   !> Smallest fraction of the penalty that acts at the control points with MORTar and AUGMent. The
   !! multipliers of the control points take over the pressure.
@@ -175,6 +175,15 @@ contains
       end associate
     end associate
   end function value_at
+
+  !> Has AUGMent raised a multiplier of the contact?
+  pure logical function is_augmented(state) result(yes)
+    type(contact_state_t), intent(in) :: state
+    integer :: k
+
+    yes = any([(any(state%side(k)%multiplier > 0.0_wp), k=1, 2), &
+               (any(state%control(k)%multiplier > 0.0_wp), k=1, 2)])
+  end function is_augmented
 
   !> With AUGMent, let a penalty act at the control points too. The penalty at the integration
   !! points is not reduced: a control point whose support is larger than the contact area has a

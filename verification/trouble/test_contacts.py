@@ -112,3 +112,22 @@ class Contacts(Folder):
         warnings = self.run_deck("b", self.restarted(text))
         self.assertEqual(len(warnings), 1, warnings)
         self.assertIn("before the checkpoint, most bonds broke within one step", warnings[0])
+
+    def test_multipliers_without_augment_after_a_restart_are_warned_of(self):
+        for scheme in ("", "  SCHEme HALFpass\n"):
+            text = PRESS.replace("  NORMal", scheme + "  NORMal")
+            self.run_deck("a", text)
+            said = "the checkpoint contains multipliers of AUGMent"
+            warnings = self.run_deck("b", self.restarted(text))
+            self.assertNotIn(said, " ".join(warnings))
+            warnings = self.run_deck("c", self.restarted(self.without(text)))
+            self.assertEqual(sum(said in warning for warning in warnings), 1, warnings)
+            # nothing has moved, and the multipliers act in all runs
+            self.assertAlmostEqual(self.force("c") / self.force("a"), 1.0, places=6)
+            # also if the run without AUGMent is continued after its first step
+            longer = self.restarted(self.without(text)).replace("LOOP,time,1", "LOOP,time,2")
+            shutil.copy(self.at / "c.restart.h5", self.at / "kept.h5")
+            self.run_deck("d", longer)
+            whole = self.force("d")
+            self.run_deck("c", self.restarted(self.without(text)), "--restart", "kept.h5")
+            self.assertAlmostEqual(self.force("c") / whole, 1.0, places=6)
