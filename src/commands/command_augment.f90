@@ -9,7 +9,7 @@
 module command_augment
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, check_fields
   use contact_augment, only: rise_t, find_rise, take_rise, largest_pressure
@@ -63,6 +63,10 @@ contains
         call fail(error, DECK_ERROR, 'no TANG or UTAN follows this AUGMent within the same step', &
                   command%record%place(1), 'enclose both the Newton loop and AUGMent in ' &
                   //'LOOP,augment,n, inside the loop with TIME if there is one')
+      else if (command%visit == 1 .and. .not. is_preceded(run%program)) then
+        call warn('AUGMent has no effect, because no TANG or UTAN precedes it in its step', &
+                  command%record%place(1), 'enclose both the Newton loop and AUGMent in ' &
+                  //'LOOP,augment,n with at least two passes')
       end if
       return
     end if
@@ -142,5 +146,25 @@ contains
       end associate
     end do
   end function is_followed
+
+  !> Is there a solve between the last TIME and the command at the counter, or in another pass of a
+  !! loop around it that does not contain TIME?
+  pure logical function is_preceded(program) result(yes)
+    type(program_t), intent(in) :: program
+    integer :: i, j
+
+    yes = .false.
+    do i = program%counter - 1, 1, -1
+      associate (command => program%command(i))
+        yes = any(command%record%key(1) == SOLVES)
+        if (command%record%key(1) == 'loop' .and. command%matching > program%counter .and. &
+            .not. command%spans_time .and. command%passes > 1) then
+          yes = yes .or. any([(any(program%command(j)%record%key(1) == SOLVES), &
+                               j=program%counter, command%matching)])
+        end if
+        if (yes .or. command%record%key(1) == 'time') return
+      end associate
+    end do
+  end function is_preceded
 
 end module command_augment

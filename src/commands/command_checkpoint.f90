@@ -14,15 +14,18 @@ module command_checkpoint
   use deck_expression, only: params_t
   use deck_params, only: parameter_names, find_parameter, set_parameter
   use linear_system, only: FULL
+  use model, only: state_t
   use named_values, only: named_values_t, put, get
   use program_position, only: rewind_program
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, store => write_checkpoint, &
                           read_checkpoint
+  use solution_state, only: new_state
   use step, only: abandon_step
   implicit none
   private
-  public :: write_checkpoint, set_restart_point, restore_run, recall_rows, stop_wanted, stop_run, &
+  public :: write_checkpoint, set_restart_point, restore_run, check_checkpoint, recall_rows, &
+            stop_wanted, stop_run, &
             keep_multipliers
 
   ! FORMAT of restart_file must be increased whenever the names or the meaning of the values here
@@ -91,6 +94,21 @@ contains
     run%files%checkpoint = path
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path)
   end subroutine restore_run
+
+  !> Can a run continue from a checkpoint? Nothing is changed.
+  subroutine check_checkpoint(run, path, error)
+    type(run_t), intent(in) :: run
+    character(*), intent(in) :: path
+    type(error_t), allocatable, intent(out) :: error
+    type(fingerprint_t) :: print
+    type(named_values_t) :: values
+    type(state_t) :: state
+
+    call make_fingerprint(VERSION, run%files%deck_text, run%model, print)
+    call new_state(run%model, state)
+    call read_checkpoint(path, print, state, values, error)
+    call agree(error)
+  end subroutine check_checkpoint
 
   !> After the state has been read: multipliers of control points act together with a penalty there,
   !! also if the deck has no AUGMent.
@@ -232,6 +250,8 @@ contains
     call exchange(x, 'total_jumped', run%step%total%jumped)
     call exchange(x, 'total_uneven', run%step%total%uneven)
     call exchange(x, 'total_lost_time', run%step%total%lost_time)
+    call exchange(x, 'total_untimed', run%step%total%untimed)
+    call exchange(x, 'total_still', run%step%total%still)
     call exchange(x, 'total_load', run%step%total%load)
     call exchange(x, 'total_rounding', run%step%total%rounding)
     call exchange(x, 'total_rounding_step', run%step%total%rounding_step)

@@ -310,6 +310,7 @@ contains
     type(data_t), intent(out) :: data
     type(error_t), allocatable, intent(out) :: error
     type(record_t) :: record
+    type(assignment_t) :: new
     character(:), allocatable :: name
     real(wp) :: value
 
@@ -327,7 +328,9 @@ contains
       if (record%kind /= RECORD_WORDS) exit
       call get_assignment(run%deck, record, name, value, error)
       if (allocated(error)) return
-      data%assignment = [data%assignment, assignment_t(name, value)]
+      new%name = name
+      new%value = value
+      data%assignment = [data%assignment, new]
     end do
   end subroutine read_assignments
 

@@ -28,7 +28,7 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     associate (program => run%program, n => command%x(1))
-      if (n < 1 .or. n > MOST_PASSES .or. abs(n - anint(n)) > 4*epsilon(n)*n) then
+      if (anint(n) < 1 .or. n > MOST_PASSES .or. abs(n - anint(n)) > 4*epsilon(n)*n) then
         call fail(error, DECK_ERROR, 'expected a whole number of passes from 1 to ' &
                   //to_text(MOST_PASSES)//', found '//to_text(n), command%record%place(3), &
                   'write LOOP,name,n')

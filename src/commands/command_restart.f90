@@ -60,8 +60,8 @@ contains
       return
     end do
     if (size(run%program%loop) > 0) then
-      call fail(error, DECK_ERROR, 'RESTart is in a LOOP, whose passes would all begin with the ' &
-                //'checkpoint', command%record%place(1), 'put RESTart before the LOOP')
+      call fail(error, DECK_ERROR, 'RESTart is in a LOOP, each pass of which would begin again ' &
+                //'from the checkpoint', command%record%place(1), 'put RESTart before the LOOP')
       return
     end if
     if (.not. command%record%is_empty(3)) then
@@ -76,9 +76,8 @@ contains
       call read_state(run, command, state, values, changed, error)
       if (.not. allocated(error)) return
       call inspect(path_of(run, command), file)
-      if (error%code /= DECK_ERROR .and. file%kind /= FILE_ABSENT) then
-        deallocate (error) ! the real run reports this error
-      end if
+      if (file%kind == FILE_ABSENT) error%code = DECK_ERROR
+      if (error%code /= DECK_ERROR) deallocate (error) ! the real run reports this error
       return
     end if
     table = run%state%table

@@ -98,12 +98,13 @@ contains
     run%plan%save = .false.
     if (.not. (plots .or. saves)) return
     if (timed) then
-      word = 'PLOT'
-      if (.not. plots) word = 'SAVE'
-      if (.not. run%plan%idle_warned) call warn(word//' has no effect after a TIME that no ' &
-                                                //'TANG,,1 or UTAN,,1 follows, because the state ' &
-                                                //'is that of the step before', &
-                                                hint='put '//word//' after the solve')
+      word = 'PLOT has'
+      if (.not. plots) word = 'SAVE has'
+      if (plots .and. saves) word = 'PLOT and SAVE have'
+      if (.not. run%plan%idle_warned) then
+        call warn(word//' no effect after a TIME that no TANG,,1 or UTAN,,1 follows, because the ' &
+                  //'state is that of the step before', hint='put the solve before it')
+      end if
       run%plan%idle_warned = .true.
       return
     end if

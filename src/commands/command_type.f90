@@ -101,7 +101,7 @@ module command_type
     !> Warnings that were issued, see command_watch.
     logical :: turn_warned = .false., strain_warned = .false., inverted_warned = .false.
     real(wp), allocatable :: closed_at          !! end of the last step, or start of the first
-    logical :: idle_warned = .false.            !! see warn_idle of command_step
+    logical :: idle_warned = .false.            !! see write_unsolved of command_step
     logical :: corner_warned = .false.          !! see table_use, as for `acted` and `ended`
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
     logical, allocatable :: acted(:) !! (0:ntable) the factor was nonzero in at least one step

@@ -137,16 +137,16 @@ contains
 
     if (run%state%step == 0) return
     if (run%plan%every > run%state%step .and. run%files%fields_step < 0) then
-      call warn('OUTPut wrote no fields: the run has '//to_text(run%state%step) &
-                //' steps, and OUTPut writes every '//to_text(run%plan%every)//'th one', &
-                hint='put a PLOT behind the loop, or give OUTPut a smaller number')
+      call warn('OUTPut wrote no fields: no step of this run has a number that is a multiple of ' &
+                //to_text(run%plan%every), hint='put a PLOT after the loop, or give OUTPut a ' &
+                //'smaller number')
     end if
     if (.not. allocated(run%files%last_row)) return
     do i = 1, size(run%model%curve)
       if (run%model%curve(i)%name /= 'tplot' .or. allocated(run%files%last_row(i)%value)) cycle
-      call warn('TPLOt wrote no row: the run has '//to_text(run%state%step) &
-                //' steps, and TPLOt writes every '//to_text(run%plan%tplot_every)//'th one', &
-                run%model%curve(i)%place, 'give TPLOt a smaller number')
+      call warn('TPLOt wrote no row: no step of this run has a number that is a multiple of ' &
+                //to_text(run%plan%tplot_every), run%model%curve(i)%place, &
+                'give TPLOt a smaller number')
     end do
   end subroutine warn_intervals
 

@@ -134,7 +134,9 @@ contains
         end if
       end do
       if (.not. allocated(bc%numbered)) return
-      sums = bc%table == 0 .and. .not. spread(bc%numbered, 1, 3) ! FPRO and EPRO may mean a 0
+      ! FPRO and EPRO may mean a 0, and the loads of tied nodes count at the node that they join
+      sums = bc%table == 0 .and. .not. spread(bc%numbered, 1, 3) &
+             .and. spread(model%mesh%used, 1, 3)
       if (any(abs(bc%force) > 0.0_wp .and. sums)) then
         call say('a nodal force (FORCe, EFORce, CFORce or CSURface)', &
                  hint=OWN//'FPROportional or EPROportional')

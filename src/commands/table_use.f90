@@ -135,7 +135,8 @@ contains
       if (run%state%step == 0) then
         if (.not. equal(old, new)) then
           call warn('PROP defines load table '//to_text(k)//' again before the first step, so ' &
-                    //'the first table never acts', place, 'give one another number: PROP,,k')
+                    //'the first table never acts', place, 'give one of them another number: ' &
+                    //'PROP,,k')
         end if
         return
       end if
@@ -188,7 +189,7 @@ contains
           plan%acted(uses(u)%table) = plan%acted(uses(u)%table) .or. abs(factor) > 0.0_wp
           do k = 1, size(state%table)
             if (uses(u)%table /= 0 .and. uses(u)%table /= k) cycle
-            call watch_corners(run, k)
+            call watch_corners(run, k, uses(u)%table == 0)
             call watch_extremum(run, k)
             if (uses(u)%table == 0) call watch_shared_end(run, k)
             if (plan%ended(k) .or. abs(factor) > 0.0_wp .or. state%dynamics%on) cycle
@@ -221,20 +222,22 @@ contains
   subroutine watch_shared_end(run, k)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
+    real(wp) :: gap
     integer :: j
 
     associate (state => run%state, table => run%state%table)
       if (run%plan%corner_warned .or. table(k)%kind /= 1) return
-      if (abs(state%time - table(k)%tmax) > 0.0_wp) return
+      gap = 8*epsilon(gap)*max(abs(state%time), abs(table(k)%tmin), abs(table(k)%tmax))
+      if (abs(state%time - table(k)%tmax) > gap) return
       do j = 1, size(table)
-        if (j == k .or. table(j)%kind /= 1 .or. abs(table(j)%tmin - state%time) > 0.0_wp) cycle
+        if (j == k .or. table(j)%kind /= 1 .or. abs(table(j)%tmin - state%time) > gap) cycle
         if (.not. abs(state%factor(j)*state%factor(k)) > 0.0_wp) cycle
         run%plan%corner_warned = .true.
         call warn('at time '//to_text(state%time)//' load table '//to_text(k)//' ends and load ' &
                   //'table '//to_text(j)//' begins, and both factors count in the sum of the ' &
                   //'tables: '//to_text(state%factor(k))//' and '//to_text(state%factor(j)), &
                   run%program%command(run%program%prop_at(j))%record%place(1), 'let the first ' &
-                  //'table end shortly before this time, or use one table of type 2')
+                  //'table end 1e-7 of DT before this time, or use one table of type 2')
         return
       end do
     end associate
@@ -261,12 +264,14 @@ contains
   end function largest_factor
 
   !> Warn about a peak or a trough at a corner of a table (a pair, or an end of the range of a
-  !! formula) that lies inside the step, or in the time
-  !! since the previous step if a TIME was not followed by a solve. Automatic steps end at corners,
-  !! but a TIME without a solve may have ended at one.
-  subroutine watch_corners(run, k)
+  !! formula) that lies inside the step, or in the time since the previous step if a TIME was not
+  !! followed by a solve. In a sum of tables, that of all factors counts at the ends of a range,
+  !! where another formula may follow. Automatic steps end at corners, but a TIME without a solve
+  !! may have ended at one.
+  subroutine watch_corners(run, k, in_sum)
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
+    logical, intent(in) :: in_sum        !! a load follows the sum of all tables
     character(:), allocatable :: text, hint
     real(wp), allocatable :: t(:), p(:)
     real(wp) :: start, until, gap, ends(2), range
@@ -279,7 +284,7 @@ contains
         p = table%p
       else if (table%kind == 1 .and. table%tmax > table%tmin) then
         t = [table%tmin, table%tmax]
-        p = [table_factor(table, table%tmin), table_factor(table, table%tmax)]
+        p = [level(table%tmin, .true.), level(table%tmax, .false.)]
       else
         return
       end if
@@ -289,6 +294,10 @@ contains
       if (run%step%control%automatic) until = start + gap
       start = min(start, run%plan%closed_at)
       ends = [table_factor(table, start), table_factor(table, state%time)]
+      if (in_sum .and. table%kind == 1) then
+        ends(1) = sum([(table_factor(state%table(i), start), i=1, size(state%table))])
+        ends(2) = sum([(table_factor(state%table(i), state%time), i=1, size(state%table))])
+      end if
       do i = 1, size(t)
         if (t(i) <= start + gap .or. t(i) >= until) cycle
         range = 1.0e-6_wp*max(maxval(abs(ends)), abs(p(i)))
@@ -309,6 +318,28 @@ contains
         return
       end do
     end associate
+
+  contains
+
+    !> Factor at an end of the range of the table; in a sum, without formulas that only meet it
+    !! there.
+    real(wp) function level(time, begins)
+      real(wp), intent(in) :: time
+      logical, intent(in) :: begins
+      integer :: j
+
+      level = table_factor(run%state%table(k), time)
+      if (.not. in_sum) return
+      do j = 1, size(run%state%table)
+        associate (other => run%state%table(j))
+          if (j == k) cycle
+          if (other%kind == 1 .and. abs(merge(other%tmax, other%tmin, begins) - time) &
+              <= 8*epsilon(time)*abs(time)) cycle
+          level = level + table_factor(other, time)
+        end associate
+      end do
+    end function level
+
   end subroutine watch_corners
 
   !> Warn about an extremum of the sine of a formula that lies inside the step, or in the time since

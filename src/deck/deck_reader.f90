@@ -240,7 +240,7 @@ contains
     if (allocated(error)) return
     call evaluate(params, record%text(2), n, record%place(2), error)
     if (allocated(error)) return
-    if (n < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 4*epsilon(n)*n) then
+    if (anint(n) < 1.0_wp .or. n > MOST_PASSES .or. abs(n - anint(n)) > 4*epsilon(n)*n) then
       call fail(error, DECK_ERROR, 'expected a whole number of passes from 1 to ' &
                 //to_text(MOST_PASSES)//', found '//to_text(n), record%place(2), 'LOOP,n ... NEXT')
       return

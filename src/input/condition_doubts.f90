@@ -149,6 +149,7 @@ contains
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: new(:)      !! (nnode) the node that replaces each node after TIE
+    integer, allocatable :: nodes(:)
     integer, allocatable :: giver(:, :) ! (nnode, word) the last record that finds a node; 0: none
     logical, allocatable :: active(:), on(:)
     logical :: told(R_CSUR)
@@ -161,11 +162,12 @@ contains
     do i = 1, draft%ncondition
       associate (r => draft%condition(i))
         if (all(r%word /= [R_CBOU, R_CFOR, R_CDIS]) .or. allocated(r%surface)) cycle
+        if (told(r%word)) cycle
         call mark(mesh, r, active, on)
-        on(pack(new, on)) = .true.
-        j = maxval(giver(:, r%word), on)
-        where (on) giver(:, r%word) = i
-        if (j <= 0 .or. told(r%word)) cycle
+        nodes = pack(new, on)
+        j = maxval([0, giver(nodes, r%word)])
+        giver(nodes, r%word) = i
+        if (j == 0) cycle
         if (same_place(r, draft%condition(j))) cycle ! reported by warn_repeated_conditions
         if (.not. is_repeated(r, draft%condition(j))) cycle
         told(r%word) = .true.

@@ -15,6 +15,7 @@ module input_check
   use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
   use mesh_body, only: group_named, group_hint
+  use mesh_file, only: mesh_file_t
   use patch_spec, only: GEO_MESH, GEO_SPLINE
   use spline_set, only: check_set
   use tensor, only: det3
@@ -192,7 +193,8 @@ contains
     type(where_t), intent(inout) :: at
     integer :: p
 
-    if (at%type /= W_FACES .or. all(lower(at%face) /= ['side ', 'sides'])) return
+    if (at%type /= W_FACES) return ! at%face is not allocated if the record has an error
+    if (all(lower(at%face) /= ['side ', 'sides'])) return
     do p = 1, size(patch)
       if (all(patch(p)%spec%geometry /= [GEO_MESH, GEO_SPLINE])) cycle
       if (lower(patch(p)%spec%name) /= lower(at%body)) cycle
@@ -236,11 +238,29 @@ contains
           call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has several groups ' &
                     //quoted(at%face)//' of different dimensions, none of them a surface', &
                     at%face_place, 'name the groups in the program that made the mesh')
+        else if (differ_in_case(mesh%file, chosen)) then
+          call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has several groups whose ' &
+                    //'names differ from '//quoted(at%face)//' only in case', at%face_place, &
+                    'write the name as in the mesh file')
         end if
       end associate
     end if
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_where
+
+  !> Have the chosen groups of a mesh different names?
+  pure logical function differ_in_case(file, chosen)
+    type(mesh_file_t), intent(in) :: file
+    logical, intent(in) :: chosen(:)
+    integer :: first, g
+
+    differ_in_case = .false.
+    first = findloc(chosen, .true., 1)
+    do g = 1, size(chosen)
+      if (chosen(g)) differ_in_case = differ_in_case .or. &
+                                      file%group(g)%name /= file%group(first)%name
+    end do
+  end function differ_in_case
 
   !> Is there a PATCh, MESH, SPLIne or NPATch of that name?
   logical function is_known(draft, name) result(known)

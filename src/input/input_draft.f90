@@ -154,8 +154,8 @@ module input_draft
     type(named_nodes_t) :: named_nodes
     type(place_list_t) :: places
     logical :: node_twice = .false.      !! the warning about nodes given twice was issued
-    logical :: twice(4) = .false. !! a warning about nodes that BOUN, DISP or FORC gives twice was
-    !! issued (C_FIXED, C_VALUE, C_FORCE)
+    logical :: twice(4) = .false. !! a warning about nodes that BOUN, DISP, FORC or FPRO gives twice
+    !! was issued (C_FIXED, C_VALUE, C_FORCE, C_TABLE)
     type(unread_constraints_t) :: tables !! constraint tables next to mesh files, and those read
     !> TRANsform: a position x becomes turn x + shift [L].
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3])

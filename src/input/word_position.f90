@@ -46,7 +46,7 @@ contains
     if (allocated(error) .or. record%is_empty(2)) return
     if (r%word == R_CSUR .and. record%key(2) == 'set') then
       call fail(error, DECK_ERROR, 'CSURface has no option SET', record%place(2), &
-                'the pressures of all surfaces add up: remove the records that shall not act')
+                'the pressures of all surfaces add up: remove the records that are not to act')
       return
     else if (r%word == R_EPRO .and. record%key(2) == 'add') then
       call fail(error, DECK_ERROR, 'EPROportional has no option ADD', record%place(2), &

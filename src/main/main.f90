@@ -14,7 +14,7 @@ program main
   use blas_choice, only: prepare_blas
   use blas_threads, only: set_threads
   use check_deck, only: print_check
-  use command_checkpoint, only: restore_run
+  use command_checkpoint, only: check_checkpoint, restore_run
   use command_line, only: options_t, read_command_line, print_help
   use command_type, only: run_t
   use listing, only: list_model
@@ -74,7 +74,7 @@ program main
   call check_outputs(job, error)
   call stop_on(error)
   if (options%check) then
-    if (allocated(options%restart)) call restore_run(job, options%restart, error)
+    if (allocated(options%restart)) call check_checkpoint(job, options%restart, error)
     call stop_on(error)
     call print_check(job, error)
     call stop_on(error)

@@ -479,7 +479,7 @@ contains
     step%total%inertia = step%total%inertia .or. state%dynamics%on
     if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
     call find_uneven(model, state, step%total%uneven)
-    call warn_still(state, place, step%total%untimed)
+    call warn_still(state, place, step%total%still)
     call warn_untimed(model, state, step%total%untimed)
     call begin_motion(step%newton%asm, model, state)
     call accept_solution(step%newton%asm, model, state)
@@ -539,7 +539,7 @@ contains
     if (moved <= AT_REST*maxval(abs(state%u_step))) return
     warned = .true.
     call warn('the motion of TRANsient goes on after step '//to_text(state%step - 1)//', which ' &
-              //'TIME did not begin: that step had no inertia and moved bodies to static ' &
+              //'was solved without TIME: that step had no inertia and moved bodies to static ' &
               //'equilibrium, but they keep the velocities that they had before it', place, &
               'let TIME begin each step of the motion; write TRANsient,OFF before a static step ' &
               //'if the bodies are to start from rest after it')

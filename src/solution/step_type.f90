@@ -28,6 +28,7 @@ module step_type
     logical :: uneven = .false.          !! the warning about steps of changing length was issued
     logical :: lost_time = .false.       !! the warning about a TIME without a solve was issued
     logical :: untimed = .false. !! the warning about VISCous in a step without time was issued
+    logical :: still = .false. !! the warning about a motion after a static step was issued
     real(wp) :: load = 0.0_wp            !! largest load or reaction, see force_rounding [F]
     real(wp) :: rounding = 0.0_wp        !! largest rounding error of an internal force [F]
     integer :: rounding_step = 0         !! the step with this error

@@ -54,6 +54,7 @@ contains
       if (.not. (state%last_dt > 0.0_wp .and. state%dt > 0.0_wp)) return
       if (abs(state%dt - state%last_dt) <= EVEN*state%last_dt) return
       driven = driven_marks(model)
+      if (.not. any(driven)) return
       before = maxval(abs(dynamics%v), driven)
       now = maxval(abs(state%u - state%u_step), driven)/state%dt
       change = maxval(abs((state%u - state%u_step)/state%dt - dynamics%v), driven)
@@ -106,14 +107,16 @@ contains
     associate (dynamics => state%dynamics)
       if ((dynamics%method == BACKWARD_EULER) .eqv. (method == BACKWARD_EULER)) return
       driven = driven_marks(model)
+      if (.not. any(driven)) return
       change = state%last_dt*maxval(abs(dynamics%a), driven)
       if (.not. change > STEADY*maxval(abs(dynamics%v), driven)) return
     end associate
     factor = 'twice'
     if (method == BACKWARD_EULER) factor = 'half'
     call warn('TRANsient changes the scheme while supports accelerate: in the next step their ' &
-              //'accelerations count '//factor//', however small the step is, so that forces of ' &
-              //'supports and contacts are wrong where they move masses', place, 'use one ' &
+              //'accelerations are taken to be '//factor//' as large as they are, however small ' &
+              //'the step is, so that forces of supports and contacts are wrong where they move ' &
+              //'masses', place, 'use one ' &
               //'scheme for the whole motion, or change it while supports rest or move uniformly')
   end subroutine warn_scheme
 
