@@ -272,7 +272,6 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
     logical, intent(in) :: in_sum        !! a load follows the sum of all tables
-    character(:), allocatable :: text, hint
     real(wp), allocatable :: t(:), p(:)
     real(wp) :: start, until, gap, ends(2), range
     integer :: i
@@ -303,18 +302,8 @@ contains
         range = 1.0e-6_wp*max(maxval(abs(ends)), abs(p(i)))
         if (p(i) <= maxval(ends) + range .and. p(i) >= minval(ends) - range) cycle
         run%plan%corner_warned = .true.
-        text = 'load table '//to_text(k)//' reaches '//to_text(p(i))//' at time ' &
-               //to_text(t(i))//', '
-        if (t(i) < state%time - state%dt + gap) then
-          text = text//'which a TIME without a solve skips'
-          hint = 'solve after each TIME'
-        else
-          text = text//'inside step '//to_text(state%step)//', which ends at time ' &
-                 //to_text(state%time)
-          hint = 'choose DT such that a step ends there, or use AUTO, whose steps end at corners'
-        end if
-        call warn(text//'; this value is never applied', run%program%command( &
-                  run%program%prop_at(k))%record%place(1), hint)
+        call warn_missed(run, k, p(i), t(i), 'choose DT such that a step ends there, or use ' &
+                         //'AUTO, whose steps end at corners')
         return
       end do
     end associate
@@ -349,7 +338,6 @@ contains
     type(run_t), intent(inout) :: run
     integer, intent(in) :: k
     real(wp), parameter :: MISSED = 0.1_wp
-    character(:), allocatable :: text, hint
     real(wp) :: ends(2), peak, start, time
     integer :: i
 
@@ -366,19 +354,34 @@ contains
       end do
       if (i > 2) return
       run%plan%corner_warned = .true.
-      text = 'load table '//to_text(k)//' reaches '//to_text(peak)//' at time '//to_text(time)
-      if (time < state%time - state%dt) then
+      call warn_missed(run, k, peak, time, 'choose DT so small that a period of the sine has at ' &
+                       //'least ten steps')
+    end associate
+  end subroutine watch_extremum
+
+  !> Warn that no step ends where a table has a peak or a trough.
+  subroutine warn_missed(run, k, factor, time, otherwise)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: k             !! number of the table
+    real(wp), intent(in) :: factor       !! at the peak
+    real(wp), intent(in) :: time         !! of the peak [T]
+    character(*), intent(in) :: otherwise !! hint if no TIME without a solve skips the peak
+    character(:), allocatable :: text, hint
+
+    associate (state => run%state)
+      text = 'load table '//to_text(k)//' reaches '//to_text(factor)//' at time '//to_text(time)
+      if (time < state%time - state%dt + 1.0e-6_wp*state%dt) then
         text = text//', which a TIME without a solve skips'
         hint = 'solve after each TIME'
       else
         text = text//', inside step '//to_text(state%step)//', which ends at time ' &
                //to_text(state%time)
-        hint = 'choose DT so small that a period of the sine has at least ten steps'
+        hint = otherwise
       end if
-      call warn(text//'; this value is never applied', run%program%command( &
-                run%program%prop_at(k))%record%place(1), hint)
     end associate
-  end subroutine watch_extremum
+    call warn(text//'; this value is never applied', &
+              run%program%command(run%program%prop_at(k))%record%place(1), hint)
+  end subroutine warn_missed
 
   !> At the end of a run, warn about loads whose factor was zero in all steps.
   subroutine watch_tables_end(run)
