@@ -276,6 +276,7 @@ contains
     if (.not. way > 0.0_wp) return
     left = traction_at_opening(contact, after)
     if (left > ALMOST_NOTHING*contact%strength) return
+    if (traction_at_opening(contact, after + (after - before)/SAMPLES) > left) return ! before its peak
     way = min(1.0_wp, 2/way) ! openings cannot decrease, so the bond is released at 2 at the latest
     start = traction_at_opening(contact, before)
     peak = traction_at_opening(contact, before + way/SAMPLES*(after - before))
