@@ -1,7 +1,12 @@
-!> Large products of matrices by several threads: the procedures dgemm and sgemm of BLAS.
+!> Products of matrices and triangular systems: the procedures dgemm, sgemm, dtrsm and strsm of BLAS.
 !!
-!! The linker finds these procedures before those of OpenBLAS, so that MUMPS calls them too. Each
-!! thread computes some columns of the product by OpenBLAS, which is set to use one thread. A column
+!! The linker finds these procedures before those of OpenBLAS, so that MUMPS calls them too. They
+!! differ from those of OpenBLAS in two respects.
+!!
+!! A single column is a vector, for which OpenBLAS has procedures that read the matrix once. MUMPS
+!! solves for one right-hand side by the procedures for matrices, and these copy the matrix first.
+!!
+!! Large products are formed by several threads. Each thread computes some columns of the product by OpenBLAS, which is set to use one thread. A column
 !! has the same bits as in one call for the whole product: OpenBLAS sums over k in an order that
 !! depends neither on the number of columns nor on their position, as long as every part starts at a
 !! multiple of the width of its kernels and is not small, since small products have kernels of their
@@ -13,7 +18,9 @@ module blas_products
   implicit none
   private
 
-  integer(c_int), parameter :: COLUMN_MAJOR = 102, PLAIN = 111, TRANSPOSED = 112 !! of CBLAS
+  !> Numbers of CBLAS.
+  integer(c_int), parameter :: COLUMN_MAJOR = 102, PLAIN = 111, TRANSPOSED = 112, UPPER = 121, &
+                               LOWER = 122, GENERAL = 131, UNIT = 132, LEFT = 141, RIGHT = 142
   integer, parameter :: WIDTH = 48 !! a multiple of the widths of all kernels
   !> Multiplications of a part, at least: fewer take less time than waking a thread.
   real(c_double), parameter :: LEAST = 4e6_c_double
@@ -30,6 +37,35 @@ module blas_products
       real(c_double), intent(inout) :: c(*)
     end subroutine cblas_dgemm
 
+    subroutine cblas_dgemv(order, trans, m, n, alpha, a, lda, x, incx, beta, y, incy) &
+      bind(c, name='cblas_dgemv')
+      import :: c_int, c_double
+      implicit none
+      integer(c_int), value :: order, trans, m, n, lda, incx, incy
+      real(c_double), value :: alpha, beta
+      real(c_double), intent(in) :: a(*), x(*)
+      real(c_double), intent(inout) :: y(*)
+    end subroutine cblas_dgemv
+
+    subroutine cblas_dtrsm(order, side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb) &
+      bind(c, name='cblas_dtrsm')
+      import :: c_int, c_double
+      implicit none
+      integer(c_int), value :: order, side, uplo, transa, diag, m, n, lda, ldb
+      real(c_double), value :: alpha
+      real(c_double), intent(in) :: a(*)
+      real(c_double), intent(inout) :: b(*)
+    end subroutine cblas_dtrsm
+
+    subroutine cblas_dtrsv(order, uplo, trans, diag, n, a, lda, x, incx) &
+      bind(c, name='cblas_dtrsv')
+      import :: c_int, c_double
+      implicit none
+      integer(c_int), value :: order, uplo, trans, diag, n, lda, incx
+      real(c_double), intent(in) :: a(*)
+      real(c_double), intent(inout) :: x(*)
+    end subroutine cblas_dtrsv
+
     subroutine cblas_sgemm(order, transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc) &
       bind(c, name='cblas_sgemm')
       import :: c_int, c_float
@@ -39,6 +75,35 @@ module blas_products
       real(c_float), intent(in) :: a(*), b(*)
       real(c_float), intent(inout) :: c(*)
     end subroutine cblas_sgemm
+
+    subroutine cblas_sgemv(order, trans, m, n, alpha, a, lda, x, incx, beta, y, incy) &
+      bind(c, name='cblas_sgemv')
+      import :: c_int, c_float
+      implicit none
+      integer(c_int), value :: order, trans, m, n, lda, incx, incy
+      real(c_float), value :: alpha, beta
+      real(c_float), intent(in) :: a(*), x(*)
+      real(c_float), intent(inout) :: y(*)
+    end subroutine cblas_sgemv
+
+    subroutine cblas_strsm(order, side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb) &
+      bind(c, name='cblas_strsm')
+      import :: c_int, c_float
+      implicit none
+      integer(c_int), value :: order, side, uplo, transa, diag, m, n, lda, ldb
+      real(c_float), value :: alpha
+      real(c_float), intent(in) :: a(*)
+      real(c_float), intent(inout) :: b(*)
+    end subroutine cblas_strsm
+
+    subroutine cblas_strsv(order, uplo, trans, diag, n, a, lda, x, incx) &
+      bind(c, name='cblas_strsv')
+      import :: c_int, c_float
+      implicit none
+      integer(c_int), value :: order, uplo, trans, diag, n, lda, incx
+      real(c_float), intent(in) :: a(*)
+      real(c_float), intent(inout) :: x(*)
+    end subroutine cblas_strsv
   end interface
 
 contains
@@ -55,6 +120,12 @@ contains
     real(c_double), intent(inout) :: c(ldc, *)
     integer :: i, j, parts
 
+    if (n == 1) then
+      call cblas_dgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
+                       merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
+                       merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)
+      return
+    end if
     parts = number_of_parts(m, n, k)
     if (parts <= 1) then
       call cblas_dgemm(COLUMN_MAJOR, code(transa), code(transb), m, n, k, alpha, a, lda, b, ldb, &
@@ -75,6 +146,25 @@ contains
     !$omp end parallel do
   end subroutine dgemm
 
+  !> The procedure of BLAS with this name: op(A) X = alpha B or X op(A) = alpha B, X in place of B.
+  ! allow(assumed-size)
+  subroutine dtrsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb) bind(c, name='dtrsm_')
+    character(kind=c_char), intent(in) :: side, uplo, transa, diag
+    integer(c_int), intent(in) :: m, n, lda, ldb
+    real(c_double), intent(in) :: alpha, a(*)
+    real(c_double), intent(inout) :: b(*)
+    integer(c_int) :: part, edge
+
+    part = merge(UPPER, LOWER, uplo == 'U' .or. uplo == 'u')
+    edge = merge(UNIT, GENERAL, diag == 'U' .or. diag == 'u')
+    if (n == 1 .and. is_left(side) .and. .not. abs(alpha - 1) > 0) then
+      call cblas_dtrsv(COLUMN_MAJOR, part, code(transa), edge, m, a, lda, b, 1_c_int)
+    else
+      call cblas_dtrsm(COLUMN_MAJOR, merge(LEFT, RIGHT, is_left(side)), part, code(transa), edge, &
+                       m, n, alpha, a, lda, b, ldb)
+    end if
+  end subroutine dtrsm
+
   !> The procedure of BLAS with this name, in single precision.
   ! allow(assumed-size)
   subroutine sgemm(transa, transb, m, n, k, alpha, a, lda, b, ldb, beta, c, ldc) &
@@ -87,6 +177,12 @@ contains
     real(c_float), intent(inout) :: c(ldc, *)
     integer :: i, j, parts
 
+    if (n == 1) then
+      call cblas_sgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
+                       merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
+                       merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)
+      return
+    end if
     parts = number_of_parts(m, n, k)
     if (parts <= 1) then
       call cblas_sgemm(COLUMN_MAJOR, code(transa), code(transb), m, n, k, alpha, a, lda, b, ldb, &
@@ -106,6 +202,25 @@ contains
     end do
     !$omp end parallel do
   end subroutine sgemm
+
+  !> The procedure of BLAS with this name, in single precision.
+  ! allow(assumed-size)
+  subroutine strsm(side, uplo, transa, diag, m, n, alpha, a, lda, b, ldb) bind(c, name='strsm_')
+    character(kind=c_char), intent(in) :: side, uplo, transa, diag
+    integer(c_int), intent(in) :: m, n, lda, ldb
+    real(c_float), intent(in) :: alpha, a(*)
+    real(c_float), intent(inout) :: b(*)
+    integer(c_int) :: part, edge
+
+    part = merge(UPPER, LOWER, uplo == 'U' .or. uplo == 'u')
+    edge = merge(UNIT, GENERAL, diag == 'U' .or. diag == 'u')
+    if (n == 1 .and. is_left(side) .and. .not. abs(alpha - 1) > 0) then
+      call cblas_strsv(COLUMN_MAJOR, part, code(transa), edge, m, a, lda, b, 1_c_int)
+    else
+      call cblas_strsm(COLUMN_MAJOR, merge(LEFT, RIGHT, is_left(side)), part, code(transa), edge, &
+                       m, n, alpha, a, lda, b, ldb)
+    end if
+  end subroutine strsm
 
   !> Number of parts into which the columns of a product are divided; 1 inside a parallel region.
   integer function number_of_parts(m, n, k) result(parts)
@@ -145,5 +260,12 @@ contains
 
     code = merge(PLAIN, TRANSPOSED, trans == 'N' .or. trans == 'n')
   end function code
+
+  !> Does the triangular matrix stand on the left?
+  pure logical function is_left(side)
+    character(kind=c_char), intent(in) :: side
+
+    is_left = side == 'L' .or. side == 'l'
+  end function is_left
 
 end module blas_products

@@ -268,7 +268,7 @@ contains
   pure logical function breaks(contact, before, after)
     type(contact_t), intent(in) :: contact
     real(wp), intent(in) :: before(2), after(2) !! largest openings [L]
-    real(wp) :: left, peak, way, start
+    real(wp) :: left, peak, way, start, further(2)
     integer :: i
 
     breaks = .false.
@@ -276,7 +276,8 @@ contains
     if (.not. way > 0.0_wp) return
     left = traction_at_opening(contact, after)
     if (left > ALMOST_NOTHING*contact%strength) return
-    if (traction_at_opening(contact, after + (after - before)/SAMPLES) > left) return ! before its peak
+    further = after + (after - before)/SAMPLES
+    if (traction_at_opening(contact, further) > left) return ! the bond has not reached its peak
     way = min(1.0_wp, 2/way) ! openings cannot decrease, so the bond is released at 2 at the latest
     start = traction_at_opening(contact, before)
     peak = traction_at_opening(contact, before + way/SAMPLES*(after - before))
@@ -284,7 +285,7 @@ contains
     do i = 2, SAMPLES
       peak = max(peak, traction_at_opening(contact, before + way*i/SAMPLES*(after - before)))
     end do
-    breaks = peak > start .and. left <= ALMOST_NOTHING*peak
+    breaks = left <= ALMOST_NOTHING*peak
   end function breaks
 
   !> Does the current step, which is not accepted yet, open or close bonds so far that VISCous would
