@@ -82,18 +82,31 @@ def difference(one, other, stem):
     return None
 
 
+def is_current(report, bezel, folder):
+    """Was a report of `verify` written after the program and the files of the case changed? The
+    tables that `verify` itself writes there do not count.
+    """
+    files = [path for path in folder.rglob("*") if path.is_file() and path.name != "results.csv"]
+    changed = max(path.stat().st_mtime for path in [bezel, *files])
+    return report.exists() and report.stat().st_mtime > changed
+
+
 def recover(bezel, out, run_, parts=3):
     """Stop a run several times, continue it each time, and compare its results with the
-    uninterrupted run. Return a row of the table, or None if the deck is rejected or the run stops
+    uninterrupted run, which may be one that `verify` has made. Return a row of the table, or None if the deck is rejected or the run stops
     by itself.
     """
-    folder = out / run_.name
+    folder, made = out / run_.name, out.parent / run_.name
     whole, broken = folder / "whole", folder / "stopped"
     stem = run_.deck.stem
     row = Row(run_.name.split("/")[0], f"restart of {run_.name.split('/')[1]}", tolerance="equal")
     shutil.rmtree(folder, ignore_errors=True)
     try:
-        wanted = run(bezel, run_, whole)
+        if is_current(made / f"{stem}.report.json", bezel, run_.deck.parent):
+            whole = made
+            wanted = json.loads((made / f"{stem}.report.json").read_text())["exit_code"]
+        else:
+            wanted = run(bezel, run_, whole)
         if wanted in (1, STOPPED):
             return None
         report = json.loads((whole / f"{stem}.report.json").read_text())

@@ -1,4 +1,4 @@
-!> Products of matrices and triangular systems: the procedures dgemm, sgemm, dtrsm and strsm of BLAS.
+!> Products of matrices and triangular systems: dgemm, sgemm, dtrsm and strsm of BLAS.
 !!
 !! The linker finds these procedures before those of OpenBLAS, so that MUMPS calls them too. They
 !! differ from those of OpenBLAS in two respects.
@@ -6,12 +6,13 @@
 !! A single column is a vector, for which OpenBLAS has procedures that read the matrix once. MUMPS
 !! solves for one right-hand side by the procedures for matrices, and these copy the matrix first.
 !!
-!! Large products are formed by several threads. Each thread computes some columns of the product by OpenBLAS, which is set to use one thread. A column
-!! has the same bits as in one call for the whole product: OpenBLAS sums over k in an order that
-!! depends neither on the number of columns nor on their position, as long as every part starts at a
-!! multiple of the width of its kernels and is not small, since small products have kernels of their
-!! own. The threads of OpenBLAS itself would sum in another order, and they wait forever if a limit
-!! refuses their memory.
+!! Large products are formed by several threads. Each thread computes some columns of the product by
+!! OpenBLAS, which is set to use one thread. A column has the same bits as in one call for the whole
+!! product: OpenBLAS sums over k in an order that depends neither on the number of columns nor on
+!! their position, as long as every part starts at a multiple of the width of its kernels, has more
+!! than one column, and is not small, since small products have kernels of their own. The threads
+!! of OpenBLAS itself would sum in another order, and they wait forever if a limit refuses their
+!! memory.
 module blas_products
   use, intrinsic :: iso_c_binding, only: c_char, c_double, c_float, c_int
   use base_threads, only: idle_threads
