@@ -12,20 +12,21 @@ from post._table import read_table
 
 REPORT, FIELDS = ".report.json", ".vtkhdf"
 SUFFIXES = (".dat", ".csv", ".json", FIELDS)
+KINDS = ("report", "fields")  # the parts that are no curves
 
 
 def parts(path):
     """{part: file} of a run: 'report', 'fields', and each curve by its name, with the ending `.dat`
     if the name is one of these two.
 
-    In a folder with several runs the parts are called 'stem/part'. A single file has one part:
-    itself.
+    In a folder with several runs the parts are called 'stem/part'. Another file of a folder has its
+    whole name if its part would have that of a file of a run. A single file has one part: itself.
     """
     path = pathlib.Path(path)
     if path.is_file():
         if path.suffix not in SUFFIXES:
             raise Unreadable(f"'{path}' has an unknown ending; known endings: {' '.join(SUFFIXES)}")
-        return {_kind(path.name) or path.stem: path}
+        return {_part(path): path}
     folder = path if path.is_dir() else path.parent
     if not folder.is_dir():
         raise Unreadable(f"'{path}' does not exist")
@@ -51,7 +52,7 @@ def _of_stem(folder, stem):
     for file in sorted(folder.glob("*.dat")):
         if file.name.startswith(stem + "_"):
             name = file.stem[len(stem) + 1 :]
-            found[f"{name}.dat" if name in ("report", "fields") else name] = file
+            found[f"{name}.dat" if name in KINDS else name] = file
     return found
 
 
@@ -67,11 +68,43 @@ def _of_folder(folder):
         own = {k: f for k, f in _of_stem(folder, stem).items() if f not in taken}
         taken.update(own.values())
         found.update({k if len(stems) == 1 else f"{stem}/{k}": f for k, f in own.items()})
+    reported = _has_report(found.values())
     for pattern in ("*.dat", "*.csv", "*.json"):
         for file in sorted(folder.glob(pattern)):
             if file not in taken:
-                found[_kind(file.name) or file.stem] = file
+                part = file.name if reported and file.suffix == ".json" else _part(file)
+                found[file.name if part in found else part] = file
     return found
+
+
+def _has_report(files):
+    return any(f.name.endswith(REPORT) for f in files if f is not None)
+
+
+def _part(file):
+    """The part that a file is by its own name.
+
+    >>> [_part(pathlib.Path(p)) for p in ("cube.report.json", "force.csv", "report.dat")]
+    ['report', 'force', 'report.dat']
+    """
+    return _kind(file.name) or (file.name if file.stem in KINDS else file.stem)
+
+
+def no_curve(part):
+    """Whether a part, which may be called 'stem/part', is a report or fields.
+
+    >>> no_curve("cube/report"), no_curve("report.dat")
+    (True, False)
+    """
+    return part.split("/")[-1] in KINDS
+
+
+def not_of_a_run(matched):
+    """The parts that are .json files beside the report of a run, such as that of `post mesh`."""
+    files = {part: [f for f in both if f is not None] for part, *both in matched}
+    if not _has_report(f for both in files.values() for f in both):
+        return []
+    return [n for n, both in files.items() if both[0].suffix == ".json" and not no_curve(n)]
 
 
 def _kind(name):
@@ -107,6 +140,7 @@ def _partner(a, in_a, reference):
         for n, f in pool.items()
         if re.search(rf"(^|_){re.escape(n.split('/')[-1])}$", reference.stem)
     ]
+    named = named or [f for n, f in pool.items() if no_curve(n)]
     found = named if named else list(pool.values())
     if len(found) != 1:
         what = {"report": "report", "fields": "field file"}.get(kind, "curve")

@@ -50,13 +50,16 @@ def compare(a, b, tolerances=None, interpolate=None, key=None, only=None, ignore
     comparison = Comparison()
     matched = _runs.matched(a, b)
     alone = len(matched) == 1
+    others = _runs.not_of_a_run(matched)
     for part, file_a, file_b in matched:
-        if file_a is None or file_b is None:
+        if part in others:
+            comparison.notes.append(f"'{part}' is not compared: it is not the report of a run")
+        elif file_a is None or file_b is None:
             there, lacks = (b, a) if file_a is None else (a, b)
             comparison.tables.append(
                 TableResult(part, problems=[f"'{part}' of '{there}' is missing in '{lacks}'"])
             )
-        elif interpolate and part.split("/")[-1] in ("report", "fields"):
+        elif interpolate and _runs.no_curve(part):
             comparison.notes.append(
                 f"'{part}' is not compared: it has no {interpolate} to interpolate over"
             )

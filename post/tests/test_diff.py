@@ -183,6 +183,56 @@ class Runs(Diff):
             self.assertEqual(self.diff(a / "cube", b / "cube"), 1)
             self.assertRegex(self.said, "status .*stopped .*done")
 
+    def test_json_files_beside_a_report_do_not_replace_it(self):
+        a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+        write_report(b / "cube.report.json", status="failed")
+        for run in (a, b):
+            (run / "part.mesh.json").write_text('{"degree": 2}')
+        self.assertEqual(self.diff(a, b), 1)
+        self.assertRegex(self.said, "status .*done .*failed")
+        self.assertIn("'part.mesh.json' is not compared: it is not the report of a run", self.said)
+        self.assertEqual(self.diff(a, b / "cube.report.json"), 1)
+        write_report(b / "cube.report.json")
+        (b / "part.mesh.json").unlink()
+        (a / "diff.json").write_text("[]")  # neither a report nor on both sides
+        self.assertEqual(self.diff(a, b), 0)
+        (b / "part.mesh.json").write_text('{"degree": 3}')
+        self.assertEqual(self.diff(a, b / "part.mesh.json"), 1)
+
+    def test_several_json_files_without_a_report_are_all_compared(self):
+        for run, value in (("a", 1), ("b", 2)):
+            (self.folder / run).mkdir()
+            (self.folder / run / "1.json").write_text(f'{{"f": {value}}}')
+            (self.folder / run / "2.json").write_text('{"f": 1}')
+        self.assertEqual(self.diff(self.folder / "a", self.folder / "b"), 1)
+
+    def test_a_table_beside_a_curve_does_not_replace_it(self):
+        a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+        for name in ("force.csv", "force.dat"):
+            write_curve(b / "cube_force.dat", force=lambda t: -0.33 * t)
+            for run in (a, b):
+                (run / name).write_text("# f\n1\n" if name.endswith(".dat") else "f\n1\n")
+            self.assertEqual(self.diff(a, b), 1)
+            self.assertRegex(self.said, "force_top_3 .*differs in 10")
+            write_curve(b / "cube_force.dat")
+            self.assertEqual(self.diff(a, b), 0)
+            (b / name).write_text((b / name).read_text().replace("1", "2"))
+            self.assertEqual(self.diff(a, b), 1)
+            self.assertIn(f"{name}: ", self.said)
+            for run in (a, b):
+                (run / name).unlink()
+
+    def test_a_single_curve_may_be_called_report(self):
+        write_curve(self.folder / "report.dat")
+        write_curve(self.folder / "fields.dat", steps=5)
+        self.assertEqual(
+            self.diff(
+                self.folder / "report.dat", self.folder / "fields.dat",
+                "--interpolate", "time", "--scaled", "0.1",
+            ),
+            0,
+        )  # fmt: skip
+
     def test_curves_without_rows_do_not_keep_the_others_from_being_compared(self):
         a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
         for run in (a, b):
