@@ -20,10 +20,11 @@ def update(comparison, b, settings):
     """Print the changes and rewrite the files of the reference `b`; return the exit code.
 
     Values within tolerance keep their old digits. Nothing is written if the new result contains
-    NaN or infinity or lacks a column of the reference, or if a whole file is missing on one side.
+    NaN or infinity or lacks a column of the reference or a row with its key, or if a whole file is
+    missing on one side, or if nothing of a table was compared.
     """
     for table in comparison.tables:
-        _refuse(table)
+        _refuse(table, settings)
     written = []
     for file, tables in _by_file(comparison).items():
         changed = [t for t in tables if not t.ok]
@@ -45,17 +46,24 @@ def update(comparison, b, settings):
     return 0
 
 
-def _refuse(table):
-    for column in table.columns:
-        if any(isinstance(v, float) and not math.isfinite(v) for v in column.changes.values()):
-            raise Unreadable(
-                f"column '{column.name}' of {table.a.path} contains NaN or infinity, which a reference must not contain; nothing was written"
-            )
+def _refuse(table, settings):
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
+    new = {column.name: list(column.changes.values()) for column in table.columns}
+    if _has_other_rows(table, settings):
+        every = table.b.path.suffix.lower() != ".csv"  # which keeps its columns
+        new = {n: v.tolist() for n, v in table.a.columns.items() if every or n in table.b.columns}
+    for name, values in new.items():
+        if any(isinstance(v, float) and not math.isfinite(v) for v in values):
+            raise Unreadable(
+                f"column '{name}' of {table.a.path} contains NaN or infinity, which a reference must not contain; nothing was written"
+            )
     lost = [n for n in table.b.columns if n not in table.a.columns]
     if lost:
         raise Unreadable(f"{table.a.path} has no column {' '.join(lost)}; nothing was written")
+    if not table.columns or settings.get("key") and table.columns[0].rows < len(table.b):
+        why = [p for p in table.problems if "rows are missing" in p] + table.problems
+        raise Unreadable(f"'{table.name}': {why[0]}; nothing was written")
 
 
 def _by_file(comparison):
@@ -102,11 +110,15 @@ def _rewritten(table, settings):
     """The reference with changed cells replaced, or with the rows of `a` if the rows do not
     match.
     """
-    a, b = table.a, table.b
-    same_rows = settings.get("key") or len(a) == len(b)
-    if not same_rows or any("is missing in" in p for p in table.problems):
-        return _whole(a, b)
-    return _cells(b, {column.name: column.changes for column in table.columns})
+    if _has_other_rows(table, settings):
+        return _whole(table.a, table.b)
+    return _cells(table.b, {column.name: column.changes for column in table.columns})
+
+
+def _has_other_rows(table, settings):
+    """Whether `a` has rows or columns that `b` must get, or lacks rows of `b`."""
+    same_rows = settings.get("key") or len(table.a) == len(table.b)
+    return not same_rows or any(" missing in " in p for p in table.problems)
 
 
 def _cells(b, changes):

@@ -133,15 +133,16 @@ def main(argv):
     try:
         settings = _settings(options)
         comparison = compare(options.a, options.b, **settings)
-        if options.update:
-            return _update.update(comparison, options.b, settings)
+        code = _update.update(comparison, options.b, settings) if options.update else None
     except Unreadable as error:
         print(f"post diff: unreadable: {error}", file=sys.stderr)
         _emit.write_files(options, None, str(error))
         return UNREADABLE
-    print(_emit.text(comparison, quiet=options.quiet))
+    if code is None:
+        print(_emit.text(comparison, quiet=options.quiet))
+        code = SAME if comparison.same else DIFFERS
     _emit.write_files(options, comparison)
-    return SAME if comparison.same else DIFFERS
+    return code
 
 
 def _settings(options):

@@ -292,6 +292,7 @@ class Outputs(Diff):
         self.assertEqual(self.diff(a, b, "--expect", expect), 2)
 
 
+
 class Update(Diff):
     def test_old_and_new_are_shown_and_only_those_cells_change(self):
         a, b = self.folder / "a.csv", self.folder / "b.csv"
@@ -319,6 +320,37 @@ class Update(Diff):
         old = b.read_text()
         self.assertEqual(self.diff(a, b, "--update"), 2)
         self.assertEqual(b.read_text(), old)
+        write_curve(a, force=lambda t: float("nan") if t > 0.6 else t)
+        write_curve(b, steps=5, end=0.5, force=lambda t: t)
+        old = b.read_text()
+        self.assertEqual(self.diff(a, b, "--update"), 2)
+        self.assertEqual(b.read_text(), old)
+
+    def test_a_lost_row_is_not_kept_silently(self):
+        a, b = self.folder / "a.csv", self.folder / "b.csv"
+        a.write_text("n,f\n1,1\n2,6\n4,7\n")
+        old = "n,f\n1,1\n2,5\n3,9\n"
+        b.write_text(old)
+        self.assertEqual(self.diff(a, b, "--key", "n", "--update"), 2)
+        self.assertIn("1 rows are missing in " + str(a), self.said)
+        self.assertEqual(b.read_text(), old)
+
+    def test_a_curve_with_new_rows_of_a_key_is_rewritten(self):
+        a, b = self.folder / "a.dat", self.folder / "b.dat"
+        a.write_text("# n f\n1 1\n2 6\n3 7\n")
+        b.write_text("# n f\n2 5\n1 1\n")
+        self.assertEqual(self.diff(a, b, "--key", "n", "--update"), 0)
+        self.assertEqual(self.diff(a, b, "--key", "n"), 0)
+
+    def test_an_update_that_compares_nothing_is_refused(self):
+        a, b = self.curves(force=lambda t: -0.33 * t)
+        self.assertEqual(self.diff(a, b, "--ignore", "*", "--update"), 2)
+        self.assertIn("nothing was written", self.said)
+
+    def test_an_update_writes_its_comparison_too(self):
+        a, b = self.curves(force=lambda t: -0.33 * t)
+        self.assertEqual(self.diff(a, b, "--update", "--json", self.folder / "r.json"), 0)
+        self.assertEqual(json.loads((self.folder / "r.json").read_text())["result"], "differs")
 
     def test_a_lost_column_is_not_dropped_silently(self):
         a, b = self.curves(names=("disp_top_3", "torque"))
