@@ -114,7 +114,23 @@ def read_diff(path):
     content = _load(path).get("diff")
     if content is None:
         raise Unreadable(f"'{path}' has no [diff] table")
+    if not isinstance(content, dict):
+        raise Unreadable(f"'{path}': diff is not a table")
     _known(path, "[diff]", content, DIFF_KEYS)
+    columns = content.get("column", {})
+    for name, kinds in columns.items() if isinstance(columns, dict) else [("column", columns)]:
+        if not isinstance(kinds, dict):
+            raise Unreadable(
+                f"'{path}', [diff]: {name} is not a table; write column.NAME = {{ rel = 1e-3 }}"
+            )
+        _known(path, f"[diff], column.{name}", kinds, set(KINDS))
+    for name, kind, what in (
+        ("interpolate", str, "a word"), ("key", list, "a list"), ("only", list, "a list"),
+        ("ignore", list, "a list"),
+    ):  # fmt: skip
+        value = content.get(name, kind())
+        if not isinstance(value, kind) or not all(isinstance(word, str) for word in value):
+            raise Unreadable(f"'{path}', [diff]: {name} = {value!r} is not {what} of column names")
     return diff_arguments(content)
 
 
@@ -135,7 +151,11 @@ def diff_arguments(content):
 
 def tolerance_of(content):
     """The Tolerance given by the keys rel, abs and scaled, or None if all three are missing."""
-    given = {kind: float(content[kind]) for kind in KINDS if kind in content}
+    given = {kind: content[kind] for kind in KINDS if kind in content}
+    try:
+        given = {kind: float(value) for kind, value in given.items()}
+    except (TypeError, ValueError):
+        pass  # Tolerance says which one is not a number
     return Tolerance(**given) if given else None
 
 

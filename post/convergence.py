@@ -77,7 +77,12 @@ def _rows(table, where):
     keep = np.ones(len(table), dtype=bool)
     for word, value in where.items():
         column = table.columns[table.find(word)]
-        keep &= column == (value if column.dtype.kind == "U" else float(value))
+        try:
+            keep &= column == (value if column.dtype.kind == "U" else float(value))
+        except ValueError:
+            raise Unreadable(
+                f"column '{table.find(word)}' of {table.name} contains numbers, and '{value}' is not one"
+            ) from None
     if not keep.any():
         raise Unreadable(
             f"no row of {table.name} has " + ", ".join(f"{k} = {v}" for k, v in where.items())

@@ -291,6 +291,23 @@ class Outputs(Diff):
         expect.write_text("title = 'none'\n")
         self.assertEqual(self.diff(a, b, "--expect", expect), 2)
 
+    def test_what_is_wrong_in_expect_is_said(self):
+        a, b = self.curves()
+        expect = self.folder / "expect.toml"
+        for text, words in (
+            ('rel = "x"', "rel = 'x' is not a number"),
+            ("column.force = { asb = 1e-3 }", "column.force: unknown entry 'asb'"),
+            ("column.force = 1e-3", "force is not a table"),
+            ('column = "force"', "column is not a table"),
+            ('key = "step"', "key = 'step' is not a list"),
+            ("only = [1]", "only = .1. is not a list"),
+            ("interpolate = 1", "interpolate = 1 is not a word"),
+        ):
+            expect.write_text(f"[diff]\n{text}\n")
+            self.assertEqual(self.diff(a, b, "--expect", expect), 2, text)
+            self.assertRegex(self.said, words)
+        expect.write_text("diff = 1\n")
+        self.assertEqual(self.diff(a, b, "--expect", expect), 2)
 
 
 class Update(Diff):

@@ -99,6 +99,7 @@ class Convergence(Scratch):
             ("no row", {"reference": 1.0, "where": {"test": "torsion"}}),
             ("no column 'error'", {}),
             ("zero or not finite", {"reference": 0.0, "where": {"test": "extension"}}),
+            ("'n' of t.csv contains numbers, and 'x' is not one", {"where": {"n": "x"}}),
         ):
             with self.assertRaisesRegex(Unreadable, words):
                 convergence.read_series(self.table, **options)
