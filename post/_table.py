@@ -96,7 +96,9 @@ def read_text(path):
     if not path.is_file():
         raise Unreadable(f"'{path}' is not a regular file")
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(
+            encoding="utf-8-sig"
+        )  # a mark at the start, as Excel writes, is no text
     except UnicodeDecodeError:
         raise Unreadable(f"'{path}' is not a text file") from None
     except OSError as error:

@@ -65,6 +65,11 @@ class CsvFile(Scratch):
         self.assertEqual(list(table.columns["elements"]), ["Q1, fine", "Q2"])
         self.assertEqual(list(table.columns["n"]), [2.0, 4.0])
 
+    def test_a_mark_at_the_start_is_not_part_of_a_name(self):
+        path = self.folder / "a.csv"
+        path.write_bytes(b"\xef\xbb\xbftime,f\n0,1\n")
+        self.assertEqual(list(read_table(path).columns), ["time", "f"])
+
     def test_a_short_line_is_named(self):
         path = self.folder / "a.csv"
         path.write_text("# origin\na,b\n1,2\n3\n")
