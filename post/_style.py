@@ -113,12 +113,15 @@ def element_label(name):
 
 
 def save(figure, path):
-    """Write a figure; the same data give the same file, because it contains no date."""
+    """Write a figure, by default as .png; the same data give the same file, because it contains no
+    date.
+    """
     import pathlib
 
     from post._error import Unreadable
 
     path = pathlib.Path(path)
+    path = path if path.suffix else path.with_suffix(".png")
     empty = {".png": {"Software": None}, ".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -49,6 +49,15 @@ class Debonding(Scratch):
 
 
 class Curve(Scratch):
+    def test_a_figure_without_an_ending_is_named_as_it_is_written(self):
+        write_curve(self.folder / "a.dat")
+        for given, written in (("fig", "fig.png"), ("fig.PDF", "fig.PDF")):
+            said = io.StringIO()
+            with contextlib.redirect_stdout(said):
+                main(["curve", str(self.folder / "a.dat"), "-o", str(self.folder / given)])
+            self.assertIn(f"wrote {self.folder / written}\n", said.getvalue())
+            self.assertTrue((self.folder / written).is_file())
+
     def test_columns_of_two_files_are_drawn_over_each_other(self):
         files = [self.folder / "a.dat", self.folder / "b.dat"]
         write_curve(files[0])
