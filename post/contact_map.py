@@ -9,11 +9,9 @@ both drawings. As a library:
 >>> post.contact_map.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", labels=["a", "b"])  # doctest: +SKIP
 """
 
-import argparse
-
 import numpy as np
 
-from post import _grid, _scalar, _style
+from post import _grid, _options, _scalar, _style
 from post._contact_faces import surfaces
 from post._error import Unreadable
 
@@ -212,7 +210,7 @@ def _same_size(axes):
 
 def main(argv):
     """Run the command; return its exit code."""
-    p = argparse.ArgumentParser(
+    p = _options.parser(
         prog="post contact-map", description="Draw contact surfaces from above, side by side."
     )
     p.add_argument("runs", nargs="+", metavar="RUN", help="RUN.vtkhdf, RUN.pvd or a .vtu file")

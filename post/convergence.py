@@ -10,12 +10,11 @@ type), `dofs`, and either `error` or a value to compare with `--reference`.
 [-0.667]
 """
 
-import argparse
 from dataclasses import dataclass
 
 import numpy as np
 
-from post import _style
+from post import _options, _style
 from post._error import Unreadable
 from post._table import read_table
 
@@ -162,7 +161,7 @@ def draw(series, output, title=None, guides=(-2 / 3,)):
 
 def main(argv):
     """Run the command; return its exit code."""
-    p = argparse.ArgumentParser(
+    p = _options.parser(
         prog="post convergence", description="Plot relative errors against degrees of freedom."
     )
     p.add_argument("table", help="a .csv file with one row for each mesh")

@@ -6,12 +6,11 @@ As a library:
 >>> post.curve.draw(["out/cube_force.dat"], "fig.png", x="time", y=["force"])  # doctest: +SKIP
 """
 
-import argparse
 import pathlib
 
 import numpy as np
 
-from post import _style
+from post import _options, _style
 from post._error import Unreadable
 from post._table import read_table
 
@@ -126,7 +125,7 @@ def print_list(files):
 
 def main(argv):
     """Run the command; return its exit code."""
-    p = argparse.ArgumentParser(prog="post curve", description="Plot columns of curve files.")
+    p = _options.parser(prog="post curve", description="Plot columns of curve files.")
     p.add_argument(
         "files",
         nargs="+",

@@ -9,11 +9,10 @@ the same, 1 if they differ, and 2 if one of them cannot be read. As a library:
 (True, [])
 """
 
-import argparse
 import sys
 from dataclasses import dataclass, field
 
-from post import _emit, _runs, _update
+from post import _emit, _options, _runs, _update
 from post._compare import TableResult, compare_tables
 from post._error import Unreadable
 from post._expect import read_diff
@@ -170,7 +169,7 @@ def _settings(options):
 
 
 def _parser():
-    p = argparse.ArgumentParser(
+    p = _options.parser(
         prog="post diff",
         description="Compare two runs, or a run and a reference, column by column.",
         epilog="exit code: 0 same, 1 differs, 2 unreadable (missing, truncated, or not made of numbers)",

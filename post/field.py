@@ -8,11 +8,9 @@ elements and the outline of the undeformed body. As a library:
 >>> post.field.draw(["a.vtkhdf", "b.vtkhdf"], "fig.png", scalar="stress", component="33")  # doctest: +SKIP
 """
 
-import argparse
-
 import numpy as np
 
-from post import _grid, _picture, _scalar, _surface
+from post import _grid, _options, _picture, _scalar, _surface
 from post._error import Unreadable
 from post._screen import prepare
 
@@ -143,7 +141,7 @@ def _joined(argv):
 
 
 def _parser():
-    p = argparse.ArgumentParser(
+    p = _options.parser(
         prog="post field", description="Render a field of a result file without a screen."
     )
     p.add_argument("run", help="a RUN.vtkhdf, RUN.pvd or .vtu file")

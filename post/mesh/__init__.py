@@ -10,10 +10,10 @@ command writes the mesh files, a deck that reads them and a report. As a library
 >>> body_of("net.off").cells["tets"].shape  # doctest: +SKIP
 """
 
-import argparse
 import pathlib
 import sys
 
+from post import _options
 from post._error import Unreadable
 from post.mesh import _body, _choose, _net, _patches, _read, _read_spline, _report, _smooth, _write
 
@@ -88,7 +88,7 @@ def main(argv):
 
 
 def _parser():
-    p = argparse.ArgumentParser(
+    p = _options.parser(
         prog="post mesh", description="Mesh an enriched body below a net of quads or a spline surface.",
         epilog="A choice of elements is box:x1,y1,z1,x2,y2,z2, cylinder:px,py,pz,ax,ay,az,r, "
         "sphere:x,y,z,r, normal:nx,ny,nz,degrees, distance:x,y,z,d, set:name or all; "

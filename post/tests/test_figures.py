@@ -113,6 +113,13 @@ class Convergence(Scratch):
             with self.assertRaisesRegex(Unreadable, words):
                 convergence.read_series(self.table, **options)
 
+    def test_a_negative_reference_may_have_an_exponent(self):
+        self.table.write_text("n,dofs,force\n1,36,-1.04e-3\n2,135,-1.01e-3\n")
+        words = ["-y", "force", "--reference", "-1e-3", "-o", str(self.folder / "c.png")]
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            self.assertEqual(main(["convergence", str(self.table), *words]), 0)
+        self.assertIn("4.000e-02", said.getvalue())
+
     def test_the_command_draws(self):
         with contextlib.redirect_stdout(io.StringIO()) as said:
             words = [
