@@ -3,6 +3,7 @@
 import gzip
 import os
 import re
+import shutil
 import subprocess
 import sys
 import unittest
@@ -11,6 +12,11 @@ from verification import TOP
 from verification.trouble.test_files import BEZEL, SECONDS, Folder
 
 KINDS = ("release", "debug", "sanitize", "coverage")
+
+
+def quiet():
+    """The environment without the job server of another make."""
+    return {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))}
 
 
 class Install(Folder):
@@ -23,12 +29,9 @@ class Install(Folder):
                   f"PREFIX={self.prefix}", cwd=TOP)  # fmt: skip
 
     def call(self, *command, cwd=None):
-        """The output of a command that must succeed; make must not use the job server of another
-        make.
-        """
-        env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))}
+        """The output of a command that must succeed."""
         done = subprocess.run(
-            [*map(str, command)], cwd=cwd or self.at, env={**env, "PYTHON": sys.executable},
+            [*map(str, command)], cwd=cwd or self.at, env={**quiet(), "PYTHON": sys.executable},
             capture_output=True, text=True, timeout=SECONDS, check=False)  # fmt: skip
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
@@ -62,6 +65,26 @@ class Goals(unittest.TestCase):
         compiles = re.search(r"^COMPILES := (.*)$", rules, re.MULTILINE)[1].split()
         self.assertIn("deck_errors", needs)
         self.assertEqual(set(needs) - set(compiles), set())
+
+
+class Tools(Folder):
+    def start(self, *command, **env):
+        return subprocess.run(
+            [*map(str, command)], cwd=self.at, env={**quiet(), **env},
+            capture_output=True, text=True, timeout=SECONDS, check=False)  # fmt: skip
+
+    def test_bezel_post_does_not_run_files_of_the_working_folder(self):
+        (self.at / "bin").mkdir()
+        (self.at / "share/bezel").mkdir(parents=True)
+        shutil.copy(TOP / "tools/packages/bezel-post", self.at / "bin")
+        (self.at / "share/bezel/post").symlink_to(TOP / "post")
+        for name in ("post", "numpy"):
+            (self.at / f"{name}.py").write_text("print('mine')\n")
+        (self.at / "a.dat").write_text("# step f\n1 2\n")
+        done = self.start("bin/bezel-post", "diff", "a.dat", "a.dat", PYTHON=sys.executable)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("same: 1 table", done.stdout)
+        self.assertNotIn("mine", done.stdout)
 
 
 if __name__ == "__main__":
