@@ -4,7 +4,11 @@
 set -eu
 root=$1 version=$2 maintainer=$3
 doc=$root/usr/share/doc/bezel
-(cd "$root/.." && printf 'Source: bezel\n' > debian/control && dpkg-shlibdeps -O root/usr/bin/bezel 2>/dev/null) > "$root/../depends"
+for name in dpkg-deb:dpkg dpkg-shlibdeps:dpkg-dev; do
+  command -v "${name%:*}" > /dev/null || { echo "make deb: missing: ${name%:*}; install it with 'apt install ${name#*:}'" >&2; exit 1; }
+done
+(cd "$root/.." && printf 'Source: bezel\n' > debian/control && dpkg-shlibdeps -O root/usr/bin/bezel 2> warnings) > "$root/../depends" ||
+  { cat "$root/../warnings" >&2; exit 1; }
 depends=$(sed -n 's/^shlibs:Depends=//p' "$root/../depends")
 cat > "$root/DEBIAN/control" <<TEXT
 Package: bezel

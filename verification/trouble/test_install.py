@@ -86,6 +86,16 @@ class Tools(Folder):
         self.assertIn("same: 1 table", done.stdout)
         self.assertNotIn("mine", done.stdout)
 
+    def test_a_debian_package_without_its_tools_names_what_to_install(self):
+        (self.at / "bin").mkdir()
+        (self.at / "bin/dpkg-deb").write_text("")
+        (self.at / "bin/dpkg-deb").chmod(0o755)
+        (self.at / "debian").mkdir()
+        done = self.start("/bin/sh", TOP / "tools/packages/deb.sh", self.at / "root", "1", "me",
+                          PATH=str(self.at / "bin"))  # fmt: skip
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("apt install dpkg-dev", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
