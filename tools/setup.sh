@@ -181,6 +181,6 @@ case ${1:-} in
         pip_install tools/requirements-bench.txt || true ;;
     esac ;;
   *)
-    sed -n '2,9s/^# //p' "$0"
+    sed -n '2,/^set/s/^# //p' "$0"
     exit 1 ;;
 esac

@@ -96,6 +96,12 @@ class Tools(Folder):
         self.assertEqual(done.returncode, 1)
         self.assertIn("apt install dpkg-dev", done.stderr)
 
+    def test_the_usage_of_setup_is_whole(self):
+        done = self.start(TOP / "tools/setup.sh", "foo")
+        self.assertEqual(done.returncode, 1)
+        self.assertTrue(done.stdout.endswith("the exit code is 1.\n"), done.stdout)
+        self.assertNotIn("set -eu", done.stdout)
+
 
 if __name__ == "__main__":
     unittest.main()
