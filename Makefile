@@ -35,7 +35,7 @@ OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overfl
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer \
                 -fno-sanitize=pointer-overflow -fno-var-tracking # these two double the time of the build
 OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings without optimisation
-OPT          := $(OPT_$(KIND)) -fopenmp $(if $(NATIVE),-march=native)
+OPT          := $(OPT_$(KIND)) -fopenmp $(if $(filter-out 0 no,$(NATIVE)),-march=native)
 
 # --- Libraries: where pkg-config says, else in the folders that distributions use ------------------
 ROOTS      := $(wildcard /usr $(CONDA_PREFIX) $(MUMPS_DIR) $(HDF5_DIR) $(METIS_DIR))

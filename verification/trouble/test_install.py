@@ -66,6 +66,13 @@ class Goals(unittest.TestCase):
         self.assertIn("deck_errors", needs)
         self.assertEqual(set(needs) - set(compiles), set())
 
+    def test_zero_does_not_switch_native_on(self):
+        for value, expected in (("0", False), ("", False), ("1", True)):
+            done = subprocess.run(["make", "-pn", "help", f"NATIVE={value}"], cwd=TOP, env=quiet(),
+                                  capture_output=True, text=True, timeout=SECONDS, check=False)  # fmt: skip
+            options = re.search(r"^OPT := (.*)$", done.stdout, re.MULTILINE)[1]
+            self.assertEqual("-march=native" in options, expected, value)
+
 
 class Tools(Folder):
     def start(self, *command, **env):
