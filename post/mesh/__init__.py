@@ -65,11 +65,13 @@ def main(argv):
         raise Unreadable(
             f"'{output.name}' is not a valid name for a deck; use letters, digits and _ only"
         )
+    if without := _without_effect(o):
+        raise Unreadable(without)
     heights = {"factor": o.layer, "constant": o.thickness}
     heights = {key: value for key, value in heights.items() if value is not None}
     body = body_of(
         o.file, not o.open, o.orient, o.refine, o.smooth, o.split, o.group, o.enrich,
-        interior=o.interior, mesher=o.mesher, size=o.size, heights=heights, junction=o.t_junction,
+        interior=o.interior, mesher=o.mesher or "gmsh", size=o.size, heights=heights, junction=o.t_junction,
         fine=o.fine,
     )  # fmt: skip
     report = _report.describe(body)
@@ -85,6 +87,20 @@ def main(argv):
     for sentence in problems:
         print(f"post mesh: {sentence}", file=sys.stderr)
     return 1 if problems else 0
+
+
+def _without_effect(o):
+    """A sentence about an option that another one leaves without effect, or None."""
+    if o.layer is not None and o.thickness is not None:
+        return "--layer has no effect with --thickness; leave one of them out"
+    if o.open and o.interior == "hexes":
+        return "--interior hexes has no effect with --open, which makes only the layer"
+    other = "--open" if o.open else f"--interior {o.interior}"
+    given = {"--size": o.size is not None, "--fine": o.fine, "--mesher": o.mesher is not None}
+    if o.open or o.interior != "tets":
+        for name in (n for n, there in given.items() if there):
+            return f"{name} has no effect with {other}, which makes no tetrahedra"
+    return None
 
 
 def _parser():
@@ -104,7 +120,7 @@ def _parser():
     )
     p.add_argument("--interior", choices=("tets", "hexes", "none"), default="tets",
                    help="fill the inside with tetrahedra (default) or with the hexahedra of the file, or make the layer only")  # fmt: skip
-    p.add_argument("--mesher", choices=("gmsh", "tetgen"), default="gmsh")
+    p.add_argument("--mesher", choices=("gmsh", "tetgen"), help="program that makes the tetrahedra (default gmsh)")  # fmt: skip
     p.add_argument("--size", type=float, help="largest edge of the tetrahedra inside [L]")
     p.add_argument("--fine", action="append", default=[], metavar="D=PLACE",
                    help="edge length D of the tetrahedra in a sphere or a box (Gmsh only); may be repeated")  # fmt: skip

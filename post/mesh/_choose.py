@@ -75,6 +75,10 @@ def named(surface, texts):
             raise Unreadable(
                 "the name 'plain' is reserved for the faces that --enrich leaves plain"
             )
+        if name in surface.sets:
+            raise Unreadable(
+                f"'{text}': there is a group '{name}' already; choose another name, or join choices with + as in {name}_2=set:{name}+box:0,0,0,1,1,1"
+            )
         chosen = elements(surface, choice)
         if not chosen.any():
             raise Unreadable(f"'{text}' selects no element of the surface")

@@ -287,6 +287,28 @@ class Errors(Folder):
         ):
             self.assertIn(said, self.message(text, **options))
 
+    def test_options_without_effect(self):
+        for words, said in (
+            ("--interior none --size 0.3", "--size has no effect with --interior none"),
+            ("--open --mesher gmsh", "--mesher has no effect with --open"),
+            ("--interior hexes --fine 0.1=sphere:0,0,0,1", "--fine has no effect"),
+            ("--layer 0.3 --thickness 0.1 --interior none", "--layer has no effect"),
+            ("--open --interior hexes", "--interior hexes has no effect"),
+        ):
+            err = StringIO()
+            with redirect_stdout(StringIO()), redirect_stderr(err):
+                place = str(self.folder / "b")
+                code = command.main(["mesh", self.block(), "-o", place, *words.split()])
+            self.assertEqual(code, 2, words)
+            self.assertIn(said, err.getvalue())
+
+    def test_a_group_that_is_there_already(self):
+        text = vtk(*grid())
+        self.assertIn(
+            "there is a group 'top' already",
+            self.message(text, groups=["top=normal:0,0,1,30", "top=normal:0,0,-1,30"]),
+        )
+
     def test_a_choice_that_names_nothing(self):
         text = vtk(*grid())
         self.assertIn("expected 6 numbers", self.message(text, groups=["top=box:1,2"]))
