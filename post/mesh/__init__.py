@@ -75,10 +75,19 @@ def main(argv):
         fine=o.fine,
     )  # fmt: skip
     report = _report.describe(body)
-    for path in _write.write(body, output, " ".join(argv)):
-        print(path)
-    _report.write(report, output.with_name(output.name + ".mesh.json"))
+    try:
+        for path in _write.write(body, output, " ".join(argv)):
+            print(path)
+        _report.write(report, output.with_name(output.name + ".mesh.json"))
+    except OSError as error:
+        raise Unreadable(
+            f"'{error.filename or output}' cannot be written: {error.strerror}"
+        ) from None
     print(_report.text(report))
+    if not any(map(len, body.cells.values())):
+        print(
+            "no deck is written: the layer has no elements inside, without which it cannot be run"
+        )
     if o.pictures:
         from post.mesh import _draw
 

@@ -48,7 +48,10 @@ SKIN = """SPLIne,{name} FILE {name}.bext.json
 
 
 def write(body, stem, arguments=""):
-    """Write all files with the stem `stem` (folder/name); return their paths."""
+    """Write all files with the stem `stem` (folder/name); return their paths.
+
+    A layer alone has no deck, because the program needs elements inside.
+    """
     stem = pathlib.Path(stem)
     stem.parent.mkdir(parents=True, exist_ok=True)
     body.surface = grouped(body.surface)
@@ -58,7 +61,8 @@ def write(body, stem, arguments=""):
         files[".layer"] = layer_text(body.surface)
     if body.hanging or body.ties:
         files[".con"] = constraint_text(body)
-    files[".inp"] = deck_text(body, stem.name, arguments)
+    if any(map(len, body.cells.values())):
+        files[".inp"] = deck_text(body, stem.name, arguments)
     paths = []
     for ending, text in files.items():
         paths.append(stem.with_name(stem.name + ending))

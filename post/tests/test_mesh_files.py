@@ -39,6 +39,20 @@ class Files(Folder):
             len((self.folder / "b.layer").read_text().splitlines()) - 1, data["num_elems"]
         )
 
+    def test_a_layer_alone_has_no_deck(self):
+        words = [self.block(), "-o", str(self.folder / "b"), "--interior", "none"]
+        code, out, err = self.run_command(*words)
+        self.assertEqual((code, err), (0, ""))
+        self.assertFalse((self.folder / "b.inp").exists())
+        self.assertIn("no deck is written", out)
+
+    def test_a_place_that_cannot_be_written_is_named(self):
+        words = [self.block(), "-o", str(self.folder / "b/a"), "--interior", "none"]
+        (self.folder / "b").write_text("a file, not a folder")
+        code, _, err = self.run_command(*words)
+        self.assertEqual(code, 2)
+        self.assertRegex(err, "b' cannot be written: ")
+
     def test_the_rocker_arm_is_a_closed_net_with_named_parts(self):
         path = self.folder / "rocker_arm.obj"
         script = pathlib.Path(command.__file__).parents[1] / "input/rocker_arm.py"
