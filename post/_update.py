@@ -49,6 +49,14 @@ def update(comparison, b, settings):
 def _refuse(table, settings):
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
+    if (
+        settings.get("only")
+        and table.b.path.suffix != ".vtkhdf"
+        and _has_other_rows(table, settings)
+    ):
+        raise Unreadable(
+            f"'{table.name}' has other rows or columns than the reference, so that an update would change columns that --only leaves out; nothing was written"
+        )
     new = {column.name: list(column.changes.values()) for column in table.columns}
     if _has_other_rows(table, settings):
         every = table.b.path.suffix.lower() != ".csv"  # which keeps its columns
@@ -150,13 +158,15 @@ def _csv_line(cells):
 
 def _whole(a, b):
     """The text of a table with the rows of the run; a .csv file keeps the columns of the
-    reference.
+    reference, and a curve file its comments, which come after its line of names.
     """
     names = list(b.columns) if b.path.suffix.lower() == ".csv" else list(a.columns)
     rows = [[_text(a.columns[n][i]) for n in names] for i in range(len(a))]
     if b.path.suffix.lower() == ".csv":
         return "\n".join([*b.comments, ",".join(names), *map(_csv_line, rows)]) + "\n"
-    return "\n".join(["# " + " ".join(names), *map(" ".join, rows)]) + "\n"
+    lines = [line for line in read_text(b.path).splitlines() if line.strip()]
+    comments = [line for line in lines[1:] if line.lstrip().startswith("#")]
+    return "\n".join(["# " + " ".join(names), *comments, *map(" ".join, rows)]) + "\n"
 
 
 def _replace(file, write):

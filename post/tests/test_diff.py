@@ -325,6 +325,21 @@ class Update(Diff):
         self.assertEqual(self.diff(a, b, "--update"), 0)
         self.assertEqual(self.diff(a, b, "--exact"), 0)
 
+    def test_comments_of_a_curve_that_is_rewritten_are_kept(self):
+        a, b = self.curves(steps=5)
+        names, *rest = b.read_text().splitlines()
+        b.write_text("\n".join([names, "# made by hand", *rest]) + "\n")
+        self.assertEqual(self.diff(a, b, "--update"), 0)
+        self.assertIn("# made by hand", b.read_text())
+        self.assertEqual(self.diff(a, b, "--exact"), 0)
+
+    def test_other_rows_with_a_choice_of_columns_are_refused(self):
+        a, b = self.curves(steps=5)
+        old = b.read_text()
+        self.assertEqual(self.diff(a, b, "--only", "force", "--update"), 2)
+        self.assertIn("would change columns that --only leaves out", self.said)
+        self.assertEqual(b.read_text(), old)
+
     def test_a_report_is_rewritten(self):
         a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
         write_report(a / "cube.report.json", iterations=31)
