@@ -97,6 +97,8 @@ def _value_column(table, reference, over):
     ]
     if not numbers:
         raise Unreadable(f"{table.name} has no column of values; name one with -y")
+    if len(numbers) > 1:
+        print(f"values of column '{numbers[-1]}'; -y chooses another one: {' '.join(numbers[:-1])}")
     return numbers[-1]
 
 

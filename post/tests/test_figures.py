@@ -113,6 +113,15 @@ class Convergence(Scratch):
             with self.assertRaisesRegex(Unreadable, words):
                 convergence.read_series(self.table, **options)
 
+    def test_the_column_that_is_taken_is_named(self):
+        self.table.write_text("n,dofs,force,seconds\n1,36,1.04,3\n2,135,1.01,9\n")
+        words = ["--reference", "1", "-o", str(self.folder / "c.png")]
+        for more, found in (([], True), (["-y", "force"], False)):
+            with contextlib.redirect_stdout(io.StringIO()) as said:
+                self.assertEqual(main(["convergence", str(self.table), *words, *more]), 0)
+            line = "values of column 'seconds'; -y chooses another one: n force"
+            self.assertEqual(line in said.getvalue(), found)
+
     def test_a_negative_reference_may_have_an_exponent(self):
         self.table.write_text("n,dofs,force\n1,36,-1.04e-3\n2,135,-1.01e-3\n")
         words = ["-y", "force", "--reference", "-1e-3", "-o", str(self.folder / "c.png")]
