@@ -1,5 +1,7 @@
 """The scalar that is to be drawn of a field, and its colours."""
 
+import difflib
+
 import numpy as np
 
 from post import _grid
@@ -34,7 +36,8 @@ def _component(array, path, name, component):
     if component == "trace" and n == 6:
         return array[:, :3].sum(axis=1)
     if component not in names:
-        raise Unreadable(f"choose a component of '{name}' with --component: {' '.join(names)}")
+        known = " ".join([*names, "magnitude", *(["trace"] if n == 6 else [])])
+        raise Unreadable(f"choose a component of '{name}' with --component: {known}")
     return array[:, names.index(component)]
 
 
@@ -61,6 +64,13 @@ def colours(shown, limits=None, cmap=None):
     >>> colours([np.array([-1.0, 2.0])])
     ((-2.0, 2.0), 'RdBu_r')
     """
+    if cmap is not None:
+        import matplotlib
+
+        if cmap not in matplotlib.colormaps:
+            near = difflib.get_close_matches(cmap, list(matplotlib.colormaps), 1)
+            hint = f"; did you mean '{near[0]}'?" if near else ""
+            raise Unreadable(f"matplotlib has no colour map '{cmap}'{hint}")
     low = min(float(np.min(v)) for v in shown)
     high = max(float(np.max(v)) for v in shown)
     if not np.isfinite([low, high]).all():

@@ -7,7 +7,7 @@ import unittest
 
 import numpy as np
 
-from post import _screen, diff
+from post import _scalar, _screen, diff
 from post._error import Unreadable
 from post.tests.samples import Scratch, write_fields
 
@@ -15,6 +15,17 @@ HAS_HDF5 = importlib.util.find_spec("h5py") is not None
 NO_PICTURES = _screen.reason_not_ready() or (
     None if importlib.util.find_spec("pyvista") else "pyvista is not installed"
 )
+
+
+class Choices(unittest.TestCase):
+    def test_a_colour_map_that_is_none_is_refused(self):
+        with self.assertRaisesRegex(Unreadable, "no colour map 'virids'; did you mean 'viridis'"):
+            _scalar.colours([np.array([0.0, 1.0])], cmap="virids")
+        self.assertEqual(_scalar.colours([np.array([0.0, 1.0])], cmap="magma")[1], "magma")
+
+    def test_all_components_are_named(self):
+        with self.assertRaisesRegex(Unreadable, "11 22 33 12 23 31 magnitude trace"):
+            _scalar._component(np.zeros((2, 6)), "a.vtkhdf", "stress", None)
 
 
 @unittest.skipUnless(HAS_HDF5, "h5py is not installed")
