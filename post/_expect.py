@@ -14,6 +14,8 @@ factor = 1.0                                 # got = factor * value
 formula = "last(force_3)/last(force_3_2)"    # instead of column, row and factor: a number computed from the columns, see verification/formula.py
 want   = 6.937
 rel    = 1e-3                                # allowed difference: rel or abs, at least one of them
+options = ["--threads", "2"]                 # further options of the program
+time_limit = 600                             # seconds after which the run has failed
 slow   = true                                # run this check only with --all
 
 warning = "lies in the same place"           # instead of curve: words that a warning must contain, in the report and in the log; "": there must be no warning
