@@ -97,8 +97,6 @@ def _value_column(table, reference, over):
     ]
     if not numbers:
         raise Unreadable(f"{table.name} has no column of values; name one with -y")
-    if len(numbers) > 1:
-        print(f"values of column '{numbers[-1]}'; -y chooses another one: {' '.join(numbers[:-1])}")
     return numbers[-1]
 
 
@@ -206,6 +204,9 @@ def main(argv):
     series = read_series(
         o.table, o.x, o.y, o.reference, o.by, dict(w.split("=", 1) for w in o.where)
     )
+    if o.y is None and o.reference is not None:
+        table = read_table(o.table)
+        print(f"values of column '{_value_column(table, o.reference, table.find(o.x))}'")
     print(table_text(series))
     draw(series, o.output, o.title, (-2 / 3,) if o.guide is None else o.guide)
     return 0
