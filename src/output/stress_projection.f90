@@ -5,8 +5,8 @@
 !! The integrals are taken over the current volume (the volume form of the smoothing of Sauer 2013),
 !! for small strains (SMALl) over the reference volume.
 !! The result is a mean with positive weights if N_A >= 0. N_A^2 replaces N_A in elements in which
-!! the integral of a function is zero or negative (quadratic tetrahedra). A constant stress is
-!! reproduced exactly.
+!! the integral of a function is zero or negative (quadratic tetrahedra, collapsed sides of Q2). A
+!! constant stress is reproduced exactly.
 module stress_projection
   use base_kinds, only: wp
   use mesh, only: is_rigid
@@ -48,16 +48,13 @@ contains
             associate (node => block%conn(:, e))
               call recover(block%basis(c), set%row, set%prop, model%mesh%xr(:, node), &
                            state%u(:, node), state%history(b)%iter(:, e), point, ok)
-              if (.not. allocated(weight)) then ! the first element decides for its class
-                weight = block%basis(c)%shp
-                volume = matmul(block%basis(c)%shp, point%volume)
-                if (any(volume <= NONE*maxval(volume))) weight = block%basis(c)%shp**2
-              end if
+              weight = block%basis(c)%shp
+              volume = matmul(weight, point%volume)
+              if (any(volume <= NONE*maxval(volume))) weight = weight**2
               call add_element(point, set%row%finite, weight, node, total)
             end associate
           end do
           deallocate (point)
-          if (allocated(weight)) deallocate (weight)
         end do
       end associate
     end do
