@@ -163,17 +163,55 @@ contains
 
   end subroutine find_closest
 
-  !> Move a point at which the map of its element is nearly singular towards the middle.
+  !> Move a point at which the map of its element is nearly singular towards the middle. Enhanced
+  !! strains grow without bound towards a collapsed edge or corner, since they are divided by the
+  !! determinant of the map. In an element that has one, a point goes as far as the determinant is
+  !! that of an integration point.
   subroutine leave_singular(mesh, block, elem, xi)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: block, elem
     real(wp), intent(inout) :: xi(3)
+    real(wp) :: flat_below, least, kept, lost
+    logical :: bounded                     !! no strain grows without bound
+    integer :: q
 
-    if (.not. abs(determinant(xi)) > FLAT*abs(determinant(spread(0.0_wp, 1, 3)))) then
+    flat_below = FLAT*abs(determinant(spread(0.0_wp, 1, 3)))
+    bounded = mesh%block(block)%row%nmode == 0
+    if (.not. bounded) bounded = .not. is_collapsed()
+    if (.not. bounded) then
+      associate (rule => mesh%block(block)%rule)
+        least = minval([(abs(determinant(rule%xi(:, q))), q=1, rule%nq)])
+      end associate
+      if (abs(determinant(xi)) >= least) return
+      kept = 0.0_wp
+      lost = 1.0_wp
+      do q = 1, digits(1.0_wp) ! bisection
+        associate (middle => 0.5_wp*(kept + lost))
+          if (abs(determinant(middle*xi)) >= least) then
+            kept = middle
+          else
+            lost = middle
+          end if
+        end associate
+      end do
+      xi = kept*xi
+    else if (.not. abs(determinant(xi)) > flat_below) then
       xi = (1.0_wp - RETREAT)*xi
     end if
 
   contains
+
+    !> Is the map singular at a corner?
+    logical function is_collapsed()
+      integer :: i
+      real(wp) :: corner(3)
+
+      is_collapsed = .false.
+      do i = 0, 7
+        corner = [merge(1, -1, btest(i, 0)), merge(1, -1, btest(i, 1)), merge(1, -1, btest(i, 2))]
+        if (.not. abs(determinant(corner)) > flat_below) is_collapsed = .true.
+      end do
+    end function is_collapsed
 
     real(wp) function determinant(at)
       real(wp), intent(in) :: at(3)
