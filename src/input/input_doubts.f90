@@ -14,7 +14,7 @@ module input_doubts
   use mesh, only: mesh_t, block_cell, is_rigid
   implicit none
   private
-  public :: check_twice, warn_twisted, warn_locking
+  public :: check_twice, warn_twisted, warn_locking, member_t, element_text, place_of
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
   !> Smallest Poisson's ratios that cause a warning: LOCKING_FROM for linear elements, which lock;

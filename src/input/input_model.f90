@@ -8,6 +8,7 @@ module input_model
   use deck_record, only: record_t, check_numbers, RECORD_WORDS
   use deck_stream, only: deck_t
   use input_check, only: check_references, check_size, check_jacobians
+  use input_collapsed, only: warn_collapsed
   use input_conditions, only: apply_conditions
   use input_constraint, only: close_constraints, release_slaves
   use input_contact, only: build_contacts
@@ -100,6 +101,7 @@ contains
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call warn_twisted(draft, mesh)
+        call warn_collapsed(draft, mesh)
         call warn_locking(draft, mesh)
         call note_idle_materials(draft, mesh)
         call warn_idle_loads(draft, mesh, tied, bc)
