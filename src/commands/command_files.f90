@@ -88,7 +88,7 @@ contains
       do i = 1, size(files%curve)
         moved = .false.
         if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column_names(run, i), &
-                                       run%program%ntable, error, keep, moved)
+                                       run%program%ntable, error, keep, was_written(run, i), moved)
         call agree(error)
         if (allocated(error)) return
         moved = largest(merge(1, 0, moved)) == 1
@@ -96,7 +96,7 @@ contains
         if (.not. allocated(files%kept)) cycle
         if (allocated(keep) .and. allocated(files%recalled(i)%value) .and. .not. moved) then
           files%last_row(i) = files%recalled(i) ! its last row, until there is another one
-        else if (files%kept > 0 .and. has_row(run, i)) then
+        else if (files%kept > 0 .and. run%model%curve(i)%name /= 'tplot') then
           call note_row(run, i)
         end if
       end do
@@ -232,15 +232,25 @@ contains
     if (file%kind /= FILE_ABSENT) call replace_file(path, path//'.old', error)
   end subroutine rename_old
 
-  !> Warn that the table of curve i begins anew, because the old one has other quantities.
+  !> Did the run of the checkpoint write a row of curve i, so that an old table is its own?
+  pure logical function was_written(run, i)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+
+    was_written = .true.
+    if (allocated(run%files%recalled)) was_written = allocated(run%files%recalled(i)%value)
+  end function was_written
+
+  !> Warn that the table of curve i begins anew, because the old one has other quantities or belongs
+  !! to another run.
   subroutine warn_moved(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
 
     call warn('the curve '//quoted(run%model%curve(i)%name)//' has other columns than its table ' &
-              //'before the restart, so it begins after step '//to_text(run%files%kept), &
-              run%model%curve(i)%place, 'its rows of the steps before are in ' &
-              //quoted(curve_path(run, i)//'.old'))
+              //'before the restart, or the run of the checkpoint did not write this table, so ' &
+              //'it begins after step '//to_text(run%files%kept), run%model%curve(i)%place, &
+              'the old table is '//quoted(curve_path(run, i)//'.old'))
   end subroutine warn_moved
 
   !> Write a row of every curve.

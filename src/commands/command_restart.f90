@@ -52,10 +52,10 @@ contains
 
     do i = 1, run%program%counter - 1
       associate (record => run%program%command(i)%record)
-        if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'rest'])) cycle
+        if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'save', 'disp', 'reac', &
+                                  'stre', 'rest'])) cycle
         call fail(error, DECK_ERROR, 'RESTart comes after '//quoted(record%text(1)), &
-                  command%record%place(1), 'use RESTart once, before the first TIME, TANG, UTAN, ' &
-                  //'FORM and PLOT')
+                  command%record%place(1), 'use RESTart once, before all steps, solves and outputs')
       end associate
       return
     end do

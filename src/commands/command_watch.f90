@@ -133,10 +133,13 @@ contains
   !> Warn if the interval of OUTPut or TPLOt is longer than the run, so that nothing was written.
   subroutine warn_intervals(run)
     type(run_t), intent(in) :: run
-    integer :: i
+    integer :: i, kept
 
     if (run%state%step == 0) return
-    if (run%plan%every > run%state%step .and. run%files%fields_step < 0) then
+    kept = 0
+    if (allocated(run%files%kept)) kept = run%files%kept
+    if (run%plan%every > 0 .and. run%files%fields_step < 0 .and. &
+        run%state%step/max(1, run%plan%every)*run%plan%every <= kept) then
       call warn('OUTPut wrote no fields: no step of this run has a number that is a multiple of ' &
                 //to_text(run%plan%every), hint='put a PLOT after the loop, or give OUTPut a ' &
                 //'smaller number')

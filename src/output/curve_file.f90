@@ -28,15 +28,16 @@ module curve_file
 contains
 
   !> Begin a table. If `keep` is present, the old table keeps its rows up to that step, with all of
-  !! its load factors. If it has other quantities, it gets the name `<path>.old` instead, and the
-  !! new table begins without rows.
-  subroutine open_curve(curve, path, columns, nfactor, error, keep, moved)
+  !! its load factors. If it has other quantities or belongs to another run, it gets the name
+  !! `<path>.old` instead, and the new table begins without rows.
+  subroutine open_curve(curve, path, columns, nfactor, error, keep, own, moved)
     type(curve_file_t), intent(out) :: curve
     character(*), intent(in) :: path
     character(*), intent(in) :: columns(:) !! names; trailing blanks are ignored
     integer, intent(in) :: nfactor         !! number of load factors
     type(error_t), allocatable, intent(out) :: error
     integer, intent(in), optional :: keep  !! last step whose row is kept
+    logical, intent(in), optional :: own   !! does the old table belong to this run? Default: yes
     logical, intent(out), optional :: moved !! the old table has another name now
     character(:), allocatable :: old, text
     integer :: n
@@ -47,6 +48,7 @@ contains
     text = header(columns, nfactor)
     if (present(keep)) then
       call read_table(path, columns, old, n)
+      if (present(own)) n = merge(n, -1, own)
       if (n >= 0) then
         curve%nfactor = max(n, nfactor)
         text = header(columns, curve%nfactor)//rows_up_to(keep, old, n, curve%nfactor)

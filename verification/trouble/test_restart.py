@@ -281,6 +281,25 @@ class Names(Folder):
                 (self.at / "box_force.dat.old").rename(self.at / "old_force.dat")
                 self.assertEqual(self.table("old"), before)
 
+    def test_a_table_that_the_run_of_the_checkpoint_did_not_write_is_set_aside(self):
+        more = ("CURVe,force\n", "CURVe,more\n  DISP a 3+ 3\n\nCURVe,force\n")
+        self.run_as("box", more)
+        before = self.table("box", "more")
+        self.run_as("box")
+        said = self.run_as("box", more, restart="RESTart")
+        self.assertIn("the run of the checkpoint did not write this table", said)
+        self.assertEqual([row[0] for row in self.table("box")[1]], [1, 2, 3, 4])
+        self.assertEqual([row[0] for row in self.table("box", "more")[1]], [3, 4])
+        (self.at / "box_more.dat.old").rename(self.at / "old_more.dat")
+        self.assertEqual(self.table("old", "more"), before)
+
+    def test_an_interval_without_a_multiple_after_restart_is_noticed(self):
+        one_step = ("time,2", "time,1")  # the third
+        for n, says in ((2, True), (3, False)):
+            name, restart = f"every_{n}", f"RESTart,box.restart.h5\n  OUTPut,,every {n}"
+            said = self.run_as(name, one_step, restart=restart)
+            self.assertEqual("OUTPut wrote no fields" in said, says)
+
     def test_rows_before_the_first_load_table_have_the_factor_1(self):
         none = (("  PROP,,1\n", ""), ("2 1\n0 0\nends ends\n", ""))
         self.run_as("box", *none)
