@@ -13,7 +13,7 @@ module command_augment
   use base_text, only: to_text
   use command_type, only: run_t, program_t, command_t, command_row_t, new_row, check_fields
   use contact_augment, only: rise_t, find_rise, take_rise, largest_pressure
-  use program_position, only: leave_loop, is_last_pass
+  use program_position, only: begins_step, is_last_pass, leave_loop, spans_step
   implicit none
   private
   public :: augment_rows
@@ -147,8 +147,8 @@ contains
     end do
   end function is_followed
 
-  !> Is there a solve between the last TIME and the command at the counter, or in another pass of a
-  !! loop around it that does not contain TIME?
+  !> Is there a solve between the beginning of the step and the command at the counter, or in
+  !! another pass of a loop around it in which no step begins?
   pure logical function is_preceded(program) result(yes)
     type(program_t), intent(in) :: program
     integer :: i, j
@@ -158,11 +158,11 @@ contains
       associate (command => program%command(i))
         yes = any(command%record%key(1) == SOLVES)
         if (command%record%key(1) == 'loop' .and. command%matching > program%counter .and. &
-            .not. command%spans_time .and. command%passes > 1) then
+            .not. spans_step(program, i) .and. command%passes > 1) then
           yes = yes .or. any([(any(program%command(j)%record%key(1) == SOLVES), &
                                j=program%counter, command%matching)])
         end if
-        if (yes .or. command%record%key(1) == 'time') return
+        if (yes .or. begins_step(program, i)) return
       end associate
     end do
   end function is_preceded

@@ -7,6 +7,7 @@ module command_doubts
   use command_type, only: run_t
   use inertia, only: count_scaled
   use mesh, only: is_rigid
+  use program_position, only: begins_step, spans_step
   use table_use, only: warn_tables
   implicit none
   private
@@ -107,9 +108,9 @@ contains
     associate (list => run%program%command)
       do i = first(run, 'augm'), size(list)
         if (.not. lacks_augment(run, i)) cycle
-        call warn('the steps of this TIME have no AUGMent, but steps before them have: their ' &
-                  //'multipliers stay as they are, so that contact forces act across gaps ' &
-                  //'that open', list(i)%record%place(1), &
+        call warn('the steps of this '//trim(run%program%row(list(i)%row)%word)//' have no ' &
+                  //'AUGMent, but steps before them have: their multipliers stay as they are, so ' &
+                  //'that contact forces act across gaps that open', list(i)%record%place(1), &
                   'put AUGMent into these steps, too, as in LOOP,augment,n of the steps before')
         return
       end do
@@ -142,14 +143,14 @@ contains
     integer, intent(in) :: i
     integer :: from, to
 
-    yes = run%program%command(i)%record%key(1) == 'time'
+    yes = begins_step(run%program, i)
     if (.not. yes) return
     call find_step(run, i, from, to)
     yes = has_any(run, from, to, GIVES) .and. .not. has_any(run, from, to, ['augm'])
   end function lacks_augment
 
-  !> The commands of the steps that the TIME at a position begins: those from it to the next TIME,
-  !! and in a loop the whole loop if it has no other TIME.
+  !> The commands of the steps that the command at a position begins: those from it to the next
+  !! command that begins a step, and in a loop the whole loop if no other one is in it.
   pure subroutine find_step(run, at, from, to)
     type(run_t), intent(in) :: run
     integer, intent(in) :: at
@@ -159,7 +160,7 @@ contains
     associate (list => run%program%command)
       from = at
       do to = at, size(list) - 1
-        if (list(to + 1)%record%key(1) == 'time') exit
+        if (begins_step(run%program, to + 1)) exit
       end do
       do i = at - 1, 1, -1
         if (list(i)%record%key(1) /= 'loop' .or. list(i)%matching < at) cycle
@@ -190,8 +191,12 @@ contains
       select case (run%program%command(i)%record%key(1))
       case ('tol ', 'fact')
         if (is_late(run, i, SOLVES)) call warn_here(run, i, 'TANG or UTAN')
-      case ('arcl', 'auto')
-        if (is_late(run, i, [SOLVES, 'time'])) call warn_here(run, i, 'TIME, TANG or UTAN')
+      case ('arcl', 'auto', 'tplo')
+        if (.not. is_late(run, i, [SOLVES, 'time'])) cycle
+        associate (record => run%program%command(i)%record)
+          if (record%key(1) == 'tplo' .and. record%is_empty(3)) cycle ! it has no interval
+        end associate
+        call warn_here(run, i, 'TIME, TANG or UTAN')
       case ('dt  ', 'tran', 'mass')
         if (is_late(run, i, ['time'])) call warn_here(run, i, 'TIME')
       case default
@@ -230,17 +235,27 @@ contains
     end associate
   end subroutine warn_here
 
-  !> Does TIME begin more than one step before command i, which no loop contains?
+  !> Does more than one step begin before command i, which no loop contains? A command other than
+  !! TIME begins one only if solves follow before the next one; solves before all of them are a
+  !! step, too.
   pure logical function has_steps(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
     integer :: j, n
+    logical :: waits                     !! no solve has come since the last beginning
 
     n = 0
+    waits = .true.
     associate (list => run%program%command)
       do j = 1, i - 1
-        if (list(j)%record%key(1) == 'time') n = n + 1
-        if (list(j)%spans_time .and. list(j)%passes > 1) n = n + 2
+        if (begins_step(run%program, j)) waits = .true.
+        if (list(j)%record%key(1) == 'loop' .and. list(j)%passes > 1) then
+          if (spans_step(run%program, j) .and. has_any(run, j, list(j)%matching, SOLVES)) n = n + 2
+        end if
+        if (waits .and. any([SOLVES, 'time'] == list(j)%record%key(1))) then
+          n = n + 1
+          waits = .false.
+        end if
       end do
     end associate
     has_steps = n > 1

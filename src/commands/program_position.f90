@@ -7,7 +7,7 @@ module program_position
   implicit none
   private
   public :: save_position, rewind_program, leave_loop, iterates, has_data, targets_left, &
-            may_pass_targets, is_last_pass, current_place
+            may_pass_targets, is_last_pass, current_place, begins_step, spans_step
 
 contains
 
@@ -53,6 +53,27 @@ contains
     program%counter = program%command(program%loop(top)%at)%matching
     program%loop = program%loop(:top - 1)
   end subroutine leave_loop
+
+  !> Does the command at a position begin a step? TIME does, and so does a command before which a
+  !! step that was solved is closed.
+  pure logical function begins_step(program, at) result(yes)
+    type(program_t), intent(in) :: program
+    integer, intent(in) :: at
+
+    associate (command => program%command(at))
+      yes = command%record%key(1) == 'time' .or. command%begins_batch .or. &
+            program%row(command%row)%closes
+    end associate
+  end function begins_step
+
+  !> Does the LOOP at a position contain a command that begins a step?
+  pure logical function spans_step(program, at) result(yes)
+    type(program_t), intent(in) :: program
+    integer, intent(in) :: at
+    integer :: i
+
+    yes = any([(begins_step(program, i), i=at + 1, program%command(at)%matching)])
+  end function spans_step
 
   !> Do the passes of the LOOP at a position iterate, so that it ends when a step has converged?
   !! They do not if the loop contains TIME or a command with data, such as PROP, because each pass
