@@ -121,7 +121,7 @@ contains
     real(c_double), intent(inout) :: c(ldc, *)
     integer :: i, j, parts
 
-    if (n == 1) then
+    if (n == 1 .and. k > 0) then
       call cblas_dgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
                        merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
                        merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)
@@ -178,7 +178,7 @@ contains
     real(c_float), intent(inout) :: c(ldc, *)
     integer :: i, j, parts
 
-    if (n == 1) then
+    if (n == 1 .and. k > 0) then
       call cblas_sgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
                        merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
                        merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)

@@ -70,7 +70,7 @@ contains
     topology%vtk_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 6, 8, 4, 20, 24, 26, 22, 10, 12, 18, 16, &
                          13, 15, 11, 17, 5, 23, 14]
     topology%shape = 'hexahedron'
-    topology%corner = FEAP27(:8)
+    allocate (topology%corner, source=FEAP27(:8)) ! an assignment reads the bounds of unset arrays
     topology%xr = 0.5_wp*reshape([((([i, j, k], i=0, 2), j=0, 2), k=0, 2)], [3, 27])
     topology%gmsh = 12
     topology%gmsh_node = [1, 3, 9, 7, 19, 21, 27, 25, 2, 4, 10, 6, 12, 8, 18, 16, 20, 22, 24, 26, &
