@@ -33,7 +33,7 @@ OPT_release  := -O2 -g -ffp-contract=off
 OPT_debug    := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow \
                 -finit-real=snan -finit-derived -fbacktrace
 OPT_sanitize := $(OPT_debug) -fsanitize=address,undefined -fno-omit-frame-pointer \
-                -fno-sanitize=pointer-overflow -fno-var-tracking # these two double the time of the build
+                -fno-sanitize=pointer-overflow -fno-var-tracking # without these two, it takes twice the time
 OPT_coverage := -O0 -g --coverage -Wno-uninitialized # gives false warnings without optimisation
 OPT          := $(OPT_$(KIND)) -fopenmp $(if $(filter-out 0 no,$(NATIVE)),-march=native)
 

@@ -56,6 +56,7 @@ from post._error import Unreadable
 from post._table import read_table, read_text
 from post._tolerance import DEFAULT, KINDS, Tolerance, Tolerances
 
+NAMES = "a list of names of columns"
 DIFF_KEYS = {*KINDS, "column", "interpolate", "key", "only", "ignore"}
 CHECK_KEYS = {
     "name", "deck", "set", "options", "exit", "source", "slow", "row", "factor", "time_limit", "formula",
@@ -127,12 +128,12 @@ def read_diff(path):
             )
         _known(path, f"[diff], column.{name}", kinds, set(KINDS))
     for name, kind, what in (
-        ("interpolate", str, "a word"), ("key", list, "a list"), ("only", list, "a list"),
-        ("ignore", list, "a list"),
+        ("interpolate", str, "the name of a column"), ("key", list, NAMES), ("only", list, NAMES),
+        ("ignore", list, NAMES),
     ):  # fmt: skip
         value = content.get(name, kind())
         if not isinstance(value, kind) or not all(isinstance(word, str) for word in value):
-            raise Unreadable(f"'{path}', [diff]: {name} = {value!r} is not {what} of column names")
+            raise Unreadable(f"'{path}', [diff]: {name} = {value!r} is not {what}")
     return diff_arguments(content)
 
 

@@ -12,7 +12,7 @@ from post._table import read_table
 
 REPORT, FIELDS = ".report.json", ".vtkhdf"
 SUFFIXES = (".dat", ".csv", ".json", FIELDS)
-KINDS = ("report", "fields")  # the parts that are no curves
+KINDS = ("report", "fields")  # the parts that are not curves
 
 
 def parts(path):

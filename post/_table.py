@@ -96,9 +96,7 @@ def read_text(path):
     if not path.is_file():
         raise Unreadable(f"'{path}' is not a regular file")
     try:
-        text = path.read_text(
-            encoding="utf-8-sig"
-        )  # a mark at the start, as Excel writes, is no text
+        text = path.read_text(encoding="utf-8-sig")  # without the mark that Excel writes
     except UnicodeDecodeError:
         raise Unreadable(f"'{path}' is not a text file") from None
     except OSError as error:

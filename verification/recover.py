@@ -83,18 +83,21 @@ def difference(one, other, stem):
 
 
 def is_current(report, bezel, folder):
-    """Was a report of `verify` written after the program and the files of the case changed? The
-    tables that `verify` itself writes there do not count.
+    """Were a report of `verify` and all files beside it written after the program and the files of
+    the case changed? The tables that `verify` itself writes there do not count.
     """
     files = [path for path in folder.rglob("*") if path.is_file() and path.name != "results.csv"]
     changed = max(path.stat().st_mtime for path in [bezel, *files])
-    return report.exists() and report.stat().st_mtime > changed
+    if not report.exists():
+        return False
+    made = [path for path in report.parent.iterdir() if path.is_file()]
+    return min(path.stat().st_mtime for path in made) > changed
 
 
 def recover(bezel, out, run_, parts=3):
     """Stop a run several times, continue it each time, and compare its results with the
-    uninterrupted run, which may be one that `verify` has made. Return a row of the table, or None if the deck is rejected or the run stops
-    by itself.
+    uninterrupted run, which may be one that `verify` has made. Return a row of the table, or None
+    if the deck is rejected or the run stops by itself.
     """
     folder, made = out / run_.name, out.parent / run_.name
     whole, broken = folder / "whole", folder / "stopped"

@@ -85,9 +85,7 @@ def main(argv):
         ) from None
     print(_report.text(report))
     if not any(map(len, body.cells.values())):
-        print(
-            "no deck is written: the layer has no elements inside, without which it cannot be run"
-        )
+        print("no deck is written, because a layer without elements inside cannot be run")
     if o.pictures:
         from post.mesh import _draw
 

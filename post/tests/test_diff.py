@@ -301,7 +301,7 @@ class Outputs(Diff):
             ('column = "force"', "column is not a table"),
             ('key = "step"', "key = 'step' is not a list"),
             ("only = [1]", "only = .1. is not a list"),
-            ("interpolate = 1", "interpolate = 1 is not a word"),
+            ("interpolate = 1", "interpolate = 1 is not the name of a column"),
         ):
             expect.write_text(f"[diff]\n{text}\n")
             self.assertEqual(self.diff(a, b, "--expect", expect), 2, text)

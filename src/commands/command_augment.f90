@@ -154,6 +154,7 @@ contains
     integer :: i, j
 
     yes = .false.
+    if (begins_step(program, program%counter)) return
     do i = program%counter - 1, 1, -1
       associate (command => program%command(i))
         yes = any(command%record%key(1) == SOLVES)

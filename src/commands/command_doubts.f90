@@ -108,7 +108,7 @@ contains
     associate (list => run%program%command)
       do i = first(run, 'augm'), size(list)
         if (.not. lacks_augment(run, i)) cycle
-        call warn('the steps of this '//trim(run%program%row(list(i)%row)%word)//' have no ' &
+        call warn('the steps of this '//opening(run, i)//' have no ' &
                   //'AUGMent, but steps before them have: their multipliers stay as they are, so ' &
                   //'that contact forces act across gaps that open', list(i)%record%place(1), &
                   'put AUGMent into these steps, too, as in LOOP,augment,n of the steps before')
@@ -116,6 +116,21 @@ contains
       end do
     end associate
   end subroutine warn_multipliers
+
+  !> The word that begins a step: that of the command, or BATCh if the command is only the first one
+  !! of a further batch.
+  pure function opening(run, i) result(word)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: i
+    character(:), allocatable :: word
+
+    associate (command => run%program%command(i))
+      associate (row => run%program%row(command%row))
+        word = trim(row%word)
+        if (command%record%key(1) /= 'time' .and. .not. row%closes) word = 'BATCh'
+      end associate
+    end associate
+  end function opening
 
   !> Warn of steps without AUGMent, or of a deck without it, after the RESTart of a run with it. If
   !! AUGMent comes before these steps, warn_multipliers has warned.
@@ -236,26 +251,31 @@ contains
   end subroutine warn_here
 
   !> Does more than one step begin before command i, which no loop contains? A command other than
-  !! TIME begins one only if solves follow before the next one; solves before all of them are a
-  !! step, too.
+  !! TIME ends a step only if that was solved, and a solve begins one if there is none.
   pure logical function has_steps(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
     integer :: j, n
-    logical :: waits                     !! no solve has come since the last beginning
+    logical :: begun, solved             !! the current step has begun, and has a solve
 
     n = 0
-    waits = .true.
+    begun = .false.
+    solved = .false.
     associate (list => run%program%command)
       do j = 1, i - 1
-        if (begins_step(run%program, j)) waits = .true.
-        if (list(j)%record%key(1) == 'loop' .and. list(j)%passes > 1) then
-          if (spans_step(run%program, j) .and. has_any(run, j, list(j)%matching, SOLVES)) n = n + 2
-        end if
-        if (waits .and. any([SOLVES, 'time'] == list(j)%record%key(1))) then
-          n = n + 1
-          waits = .false.
-        end if
+        associate (key => list(j)%record%key(1))
+          if (key == 'time' .or. (solved .and. begins_step(run%program, j))) begun = .false.
+          if (key == 'loop' .and. list(j)%passes > 1) then
+            if (spans_step(run%program, j) .and. &
+                has_any(run, j, list(j)%matching, [SOLVES, 'time'])) n = n + 2
+          end if
+          if (.not. begun .and. any([SOLVES, 'time'] == key)) then
+            n = n + 1
+            begun = .true.
+            solved = .false.
+          end if
+          solved = solved .or. any(SOLVES == key)
+        end associate
       end do
     end associate
     has_steps = n > 1

@@ -88,7 +88,7 @@ contains
       do i = 1, size(files%curve)
         moved = .false.
         if (is_root()) call open_curve(files%curve(i), curve_path(run, i), column_names(run, i), &
-                                       run%program%ntable, error, keep, was_written(run, i), moved)
+                                       run%program%ntable, error, keep, is_continued(run, i), moved)
         call agree(error)
         if (allocated(error)) return
         moved = largest(merge(1, 0, moved)) == 1
@@ -232,14 +232,15 @@ contains
     if (file%kind /= FILE_ABSENT) call replace_file(path, path//'.old', error)
   end subroutine rename_old
 
-  !> Did the run of the checkpoint write a row of curve i, so that an old table is its own?
-  pure logical function was_written(run, i)
+  !> Does the checkpoint contain a row of curve i with these columns, so that an old table is its
+  !! own?
+  pure logical function is_continued(run, i)
     type(run_t), intent(in) :: run
     integer, intent(in) :: i
 
-    was_written = .true.
-    if (allocated(run%files%recalled)) was_written = allocated(run%files%recalled(i)%value)
-  end function was_written
+    is_continued = .true.
+    if (allocated(run%files%recalled)) is_continued = allocated(run%files%recalled(i)%value)
+  end function is_continued
 
   !> Warn that the table of curve i begins anew, because the old one has other quantities or belongs
   !! to another run.

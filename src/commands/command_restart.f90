@@ -55,7 +55,8 @@ contains
         if (all(record%key(1) /= ['time', 'tang', 'utan', 'form', 'plot', 'save', 'disp', 'reac', &
                                   'stre', 'rest'])) cycle
         call fail(error, DECK_ERROR, 'RESTart comes after '//quoted(record%text(1)), &
-                  command%record%place(1), 'use RESTart once, before all steps, solves and outputs')
+                  command%record%place(1), 'use RESTart once, before all steps, solves, ' &
+                  //'printed tables, PLOT and SAVE')
       end associate
       return
     end do

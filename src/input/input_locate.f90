@@ -165,8 +165,8 @@ contains
 
   !> Move a point at which the map of its element is nearly singular towards the middle. Enhanced
   !! strains grow without bound towards a collapsed edge or corner, since they are divided by the
-  !! determinant of the map. In an element that has one, a point goes as far as the determinant is
-  !! that of an integration point.
+  !! determinant of the map. In an element that has one, a point is moved towards the middle until
+  !! the determinant is at least the smallest one at an integration point.
   subroutine leave_singular(mesh, block, elem, xi)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: block, elem

@@ -101,7 +101,7 @@ contains
         if (draft%errors%count() == 0) call check_twice(draft, mesh)
         if (draft%errors%count() > 0) exit stages
         call warn_twisted(draft, mesh)
-        call warn_collapsed(draft, mesh)
+        call warn_collapsed(draft, mesh, bc)
         call warn_locking(draft, mesh)
         call note_idle_materials(draft, mesh)
         call warn_idle_loads(draft, mesh, tied, bc)
