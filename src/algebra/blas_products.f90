@@ -122,6 +122,7 @@ contains
     integer :: i, j, parts
 
     if (n == 1 .and. k > 0) then
+      if (.not. abs(beta) > 0) c(:m, 1) = 0 ! which need not be set
       call cblas_dgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
                        merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
                        merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)
@@ -179,6 +180,7 @@ contains
     integer :: i, j, parts
 
     if (n == 1 .and. k > 0) then
+      if (.not. abs(beta) > 0) c(:m, 1) = 0 ! which need not be set
       call cblas_sgemv(COLUMN_MAJOR, code(transa), merge(m, k, code(transa) == PLAIN), &
                        merge(k, m, code(transa) == PLAIN), alpha, a, lda, b, &
                        merge(1_c_int, ldb, code(transb) == PLAIN), beta, c, 1_c_int)
