@@ -84,10 +84,10 @@ def _has_report(files):
 def _part(file):
     """The part that a file is by its own name.
 
-    >>> [_part(pathlib.Path(p)) for p in ("cube.report.json", "force.csv", "report.dat")]
+    >>> [_part(pathlib.Path(p)) for p in ("cube.report.json", "force.csv", "report.csv")]
     ['report', 'force', 'report.dat']
     """
-    return _kind(file.name) or (file.name if file.stem in KINDS else file.stem)
+    return _kind(file.name) or (f"{file.stem}.dat" if file.stem in KINDS else file.stem)
 
 
 def no_curve(part):

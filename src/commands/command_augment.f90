@@ -126,7 +126,7 @@ contains
   end function solves_again
 
   !> Is there a solve between the command at the counter and the next step, either in the commands
-  !! that follow or, before TIME, in another pass of a loop?
+  !! that follow or, before a step begins, in another pass of a loop?
   pure logical function is_followed(program) result(yes)
     type(program_t), intent(in) :: program
     integer :: i, j
@@ -134,15 +134,16 @@ contains
     yes = .false.
     do i = program%counter + 1, size(program%command)
       associate (command => program%command(i))
+        if (begins_step(program, i)) return
         yes = any(command%record%key(1) == SOLVES)
         if (command%record%key(1) == 'next') then
           do j = command%matching, i
-            if (program%command(j)%record%key(1) == 'time') exit
+            if (begins_step(program, j)) exit
             yes = yes .or. any(program%command(j)%record%key(1) == SOLVES)
           end do
           if (j <= i) return
         end if
-        if (yes .or. command%record%key(1) == 'time') return
+        if (yes) return
       end associate
     end do
   end function is_followed

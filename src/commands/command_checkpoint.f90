@@ -25,8 +25,7 @@ module command_checkpoint
   implicit none
   private
   public :: write_checkpoint, set_restart_point, restore_run, check_checkpoint, recall_rows, &
-            stop_wanted, stop_run, &
-            keep_multipliers
+            stop_wanted, stop_run, keep_multipliers
 
   ! FORMAT of restart_file must be increased whenever the names or the meaning of the values here
   ! change.

@@ -173,7 +173,7 @@ contains
     real(wp), intent(inout) :: xi(3)
     real(wp) :: flat_below, least, kept, lost
     logical :: bounded                     !! no strain grows without bound
-    integer :: q
+    integer :: i, q
 
     flat_below = FLAT*abs(determinant(spread(0.0_wp, 1, 3)))
     bounded = mesh%block(block)%row%nmode == 0
@@ -185,7 +185,7 @@ contains
       if (abs(determinant(xi)) >= least) return
       kept = 0.0_wp
       lost = 1.0_wp
-      do q = 1, digits(1.0_wp) ! bisection
+      do i = 1, digits(1.0_wp) ! bisection
         associate (middle => 0.5_wp*(kept + lost))
           if (abs(determinant(middle*xi)) >= least) then
             kept = middle
