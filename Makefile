@@ -94,7 +94,7 @@ $(B)/depend.mk: FORCE $(COPIES)
 FORCE:
 # Goals that compile: without depend.mk, the files that changed would be compiled, but not the users of
 # their modules.
-COMPILES := all unit install deb deck_errors reference patch trouble manual bench_parts $(B)/%
+COMPILES := all unit install deb deck_errors reference patch trouble manual bench_parts references $(B)/%
 ifneq ($(filter $(COMPILES),$(or $(MAKECMDGOALS),all)),)
 $(shell rm -f $(B)/compiled)
 include $(B)/depend.mk
@@ -149,7 +149,7 @@ trouble: $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $< --out $(B)/verify --case silent \
 	  > $(B)/silent.txt; code=$$?; grep -v '  ok$$' $(B)/silent.txt; exit $$code
 
-.PHONY: verify verify-all verify-long mutants soak tradeoff bench demo demo-rocker
+.PHONY: verify verify-all verify-long references mutants soak tradeoff bench demo demo-rocker
 verify: setup
 	@$(MAKE) $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel
@@ -158,12 +158,14 @@ verify-all: setup
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --all
 	@$(PYTHON) -m verification.restart.run $(B)/bezel
 	@$(PYTHON) -m verification.verify --bezel $(B)/bezel --recover
-	@$(PYTHON) -m verification.reference all --compare $(B)/bezel
-	@$(MAKE) mutants
+	@$(MAKE) references mutants # at the same time: the references take one core
 	@tools/setup.sh mesh || echo "section 3: checks that need Gmsh or TetGen are skipped" >&2
 	@$(PYTHON) -m verification.section3 check --bezel $(B)/bezel --work $(BUILD)/section3
 	@$(PYTHON) -m verification.section5_contact --bezel $(B)/bezel --mesh 1 2 --jobs $(J) $(ARGS)
 	@$(PYTHON) -m verification.section5_debonding --bezel $(B)/bezel --suite all --jobs $(J) $(ARGS)
+# All results of the second implementation, compared with the program.
+references: $(B)/bezel
+	@OPENBLAS_NUM_THREADS=1 $(PYTHON) -m verification.reference all --compare $<
 # 500 mutated decks, meshes and splines under the sanitizers; make sanitize runs the tests under them.
 mutants: setup
 	@$(MAKE) KIND=sanitize $(BUILD)/sanitize/bezel
