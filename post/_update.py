@@ -13,6 +13,7 @@ from post._error import Unreadable
 from post._report import load
 from post._table import read_text
 
+WHOLE = (".vtkhdf", ".json")  # files that are replaced as a whole
 SHOWN = 40  # largest number of changes printed per table
 
 
@@ -49,11 +50,11 @@ def update(comparison, b, settings):
 def _refuse(table, settings):
     if table.a is None or table.b is None:
         raise Unreadable(f"{table.problems[0]}; nothing was written")
-    if (
-        settings.get("only")
-        and table.b.path.suffix != ".vtkhdf"
-        and _has_other_rows(table, settings)
-    ):
+    if settings.get("only") and table.b.path.suffix in WHOLE and not table.ok:
+        raise Unreadable(
+            f"'{table.b.path}' can only be rewritten as a whole, which would change what --only leaves out; nothing was written"
+        )
+    if settings.get("only") and _has_other_rows(table, settings):
         raise Unreadable(
             f"'{table.name}' has other rows or columns than the reference, so that an update would change columns that --only leaves out; nothing was written"
         )

@@ -347,6 +347,14 @@ class Update(Diff):
         self.assertIn("iterations, the report: 30 -> 31", self.said)
         self.assertEqual(self.diff(a, b), 0)
 
+    def test_a_report_is_not_rewritten_for_a_choice_of_entries(self):
+        a, b = write_run(self.folder / "a"), write_run(self.folder / "b")
+        write_report(a / "cube.report.json", iterations=31)
+        old = (b / "cube.report.json").read_text()
+        self.assertEqual(self.diff(a, b, "--only", "iterations", "--update"), 2)
+        self.assertIn("only be rewritten as a whole", self.said)
+        self.assertEqual((b / "cube.report.json").read_text(), old)
+
     def test_nan_never_becomes_a_reference(self):
         b, a = self.curves(force=lambda t: float("nan"))
         old = b.read_text()
