@@ -297,18 +297,20 @@ contains
     call put(values, 'rows', row)
   end subroutine keep_rows
 
-  !> Take from a checkpoint the last rows of those curves that have the same columns in this deck.
+  !> Take from a checkpoint the last rows of those curves that have the same columns in this deck,
+  !! and the names of those that this deck does not have.
   subroutine recall_rows(run, values)
     type(run_t), intent(inout) :: run
     type(named_values_t), intent(in) :: values
     real(wp), allocatable :: row(:)
     character(:), allocatable :: labels
     integer, allocatable :: length(:)
-    integer :: c, first, i, k, last
-    logical :: there(3)
+    integer :: blank, c, first, i, k, last
+    logical :: has, there(3)
 
     if (allocated(run%files%recalled)) deallocate (run%files%recalled)
     allocate (run%files%recalled(size(run%model%curve)))
+    run%files%ended = ''
     call get(values, 'row_labels', labels, there(1))
     call get(values, 'row_lengths', length, there(2))
     call get(values, 'rows', row, there(3))
@@ -319,10 +321,16 @@ contains
     do i = 1, size(length)
       last = first + index(labels(first:), new_line('a')) - 2
       if (last < first) return
+      has = .false.
       do c = 1, size(run%model%curve)
+        has = has .or. index(labels(first:last)//' ', run%model%curve(c)%name//' ') == 1
         if (row_label(run, c) == labels(first:last)) run%files%recalled(c)%value &
           = row(k + 1:k + length(i))
       end do
+      if (.not. has) then
+        blank = first + index(labels(first:last)//' ', ' ') - 1
+        run%files%ended = run%files%ended//labels(first:blank - 1)//new_line('a')
+      end if
       k = k + length(i)
       first = last + 2
     end do

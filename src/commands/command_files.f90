@@ -11,7 +11,8 @@ module command_files
   use base_text, only: quoted, to_text
   use byte_file, only: open_bytes, close_bytes
   use command_type, only: run_t
-  use curve_file, only: open_curve, write_row, close_curve, find_row, first_step
+  use curve_file, only: open_curve, write_row, close_curve, find_row, first_step, &
+                        cut_curve
   use curve_values, only: quantity_value
   use result_file, only: open_result, write_result, close_result, remove_result, find_steps
   implicit none
@@ -57,8 +58,17 @@ contains
     integer, intent(in) :: i
     character(:), allocatable :: path
 
-    path = run%files%stem//'_'//run%model%curve(i)%name//'.dat'
+    path = path_of(run, run%model%curve(i)%name)
   end function curve_path
+
+  !> The file of the curve with a name.
+  pure function path_of(run, name) result(path)
+    type(run_t), intent(in) :: run
+    character(*), intent(in) :: name
+    character(:), allocatable :: path
+
+    path = run%files%stem//'_'//name//'.dat'
+  end function path_of
 
   !> Open the curves; the result file is opened when fields are written for the first time. After a
   !! restart, both, and the printed tables, are cut back at once to the step of the checkpoint, even
@@ -102,10 +112,34 @@ contains
       end do
       files%curves_open = .true.
       if (.not. allocated(files%kept)) return
+      if (allocated(keep) .and. is_root()) call cut_ended(run, error)
+      call agree(error)
+      if (allocated(error)) return
       call cut_tables(run, error)
       call agree(error)
     end associate
   end subroutine open_files
+
+  !> Remove the rows after the checkpoint from the tables of curves that this deck does not have.
+  subroutine cut_ended(run, error)
+    type(run_t), intent(in) :: run
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: path
+    integer :: first, last
+    logical :: cut
+
+    if (.not. allocated(run%files%ended)) return
+    first = 1
+    do while (first <= len(run%files%ended))
+      last = first + index(run%files%ended(first:), new_line('a')) - 2
+      path = path_of(run, run%files%ended(first:last))
+      call cut_curve(path, run%files%kept, cut, error)
+      if (allocated(error)) return
+      if (cut) call log_line('rows after step '//to_text(run%files%kept)//' were removed from ' &
+                             //quoted(path)//', which this deck does not continue')
+      first = last + 2
+    end do
+  end subroutine cut_ended
 
   pure function column_names(run, i) result(column)
     type(run_t), intent(in) :: run

@@ -13,7 +13,7 @@ module command_load
   use load_curve, only: load_table_t
   use solution_state, only: set_factors, factor_slopes
   use step, only: begin_again
-  use table_use, only: warn_jump
+  use table_use, only: note_definition, warn_jump
   implicit none
   private
   public :: load_rows, name_end_of_table
@@ -295,6 +295,7 @@ contains
       call move_alloc(longer, run%state%table)
     end if
     run%state%table(first:last) = command%data(command%visit)%table
+    call note_definition(run, first, last)
     call follow_slopes(run%step, run%state, slopes)
     if (run%step%open) then
       call begin_again(run%step, run%model, run%state)

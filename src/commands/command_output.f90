@@ -49,10 +49,21 @@ contains
       call write_checkpoint(run, error)
       run%program%counter = run%program%counter - 1
     else
+      if (size(run%model%contact) > 0 .and. run%state%step == 0) call warn_gap(command)
       call open_files(run, error)
       if (.not. allocated(error)) call write_fields(run, error)
     end if
   end subroutine run_plot_or_save
+
+  !> Warn if a PLOT writes contact fields before contact has been evaluated for the first time.
+  subroutine warn_gap(command)
+    type(command_t), intent(in) :: command
+
+    if (command%visit > 1) return
+    call warn('PLOT comes before the first solve: the contact fields that it writes, also the ' &
+              //'gaps, are 0', command%record%place(1), 'write PLOT after the first TIME and the ' &
+              //'solve')
+  end subroutine warn_gap
 
   !> Warn if a SAVE names a file, as in FEAP.
   subroutine warn_name(run, command)

@@ -104,6 +104,8 @@ module command_type
     logical :: idle_warned = .false.            !! see write_unsolved of command_step
     logical :: corner_warned = .false.          !! see table_use, as for `acted` and `ended`
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
+    !> (2, ntable) closed steps and iterations when PROP last defined the table; -1: it has not.
+    integer, allocatable :: defined_at(:, :)
     logical, allocatable :: acted(:) !! (0:ntable) the factor was nonzero in at least one step
     logical, allocatable :: ended(:) !! (ntable) the warning about the end of the table was issued
   end type plan_t
@@ -126,6 +128,8 @@ module command_type
     logical :: curves_open = .false., result_open = .false., out_open = .false.
     type(row_t), allocatable :: last_row(:)     !! last row of every curve, for the report
     type(row_t), allocatable :: recalled(:)     !! those in the checkpoint, if the columns agree
+    character(:), allocatable :: ended          !! names of curves of the checkpoint that the deck
+    !! does not have, each with a line end
     integer :: fields_step = -1                 !! the last step whose fields were written; -1: none
     real(wp) :: fields_time = 0.0_wp            !! its time [T]
     integer, allocatable :: kept  !! last step before the restart; not allocated: there is none

@@ -10,7 +10,8 @@ module table_use
   use load_curve, only: load_factor, load_table_t, table_factor, next_extremum
   implicit none
   private
-  public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, watch_tables_end
+  public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, note_definition, &
+            watch_tables_end
 
   !> The first load or motion, nonzero if there is such a one, that follows a table.
   type :: use_t
@@ -120,7 +121,7 @@ contains
 
   !> Warn if a PROP, after steps have been closed, replaces a table by one with another factor at
   !! the present time: the loads then jump in the next step. Warn too if it replaces another table
-  !! before the first step, which then never acts.
+  !! that has not acted, because nothing was solved since its PROP.
   subroutine warn_jump(run, k, new, place)
     type(run_t), intent(in) :: run
     integer, intent(in) :: k               !! number of the table
@@ -132,11 +133,11 @@ contains
     if (k > size(run%state%table)) return
     associate (old => run%state%table(k))
       if (old%kind == 1 .and. .not. old%tmax > old%tmin) return ! no PROP has defined it
-      if (run%state%step == 0) then
+      if (has_not_acted(run, k)) then
         if (.not. equal(old, new)) then
-          call warn('PROP defines load table '//to_text(k)//' again before the first step, so ' &
-                    //'the first table never acts', place, 'give one of them another number: ' &
-                    //'PROP,,k')
+          call warn('PROP defines load table '//to_text(k)//' again before the '//trim(merge( &
+                    'first', 'next ', run%state%step == 0))//' step, so the previous table ' &
+                    //'never acts', place, 'give one of them another number: PROP,,k')
         end if
         return
       end if
@@ -150,6 +151,42 @@ contains
               //': its factor changes from '//to_text(before)//' to '//to_text(after), place, &
               'let the new table begin with the current factor, or use one table for all steps')
   end subroutine warn_jump
+
+  !> Note that PROP defines tables now.
+  subroutine note_definition(run, first, last)
+    type(run_t), intent(inout) :: run
+    integer, intent(in) :: first, last  !! their numbers
+    integer, allocatable :: longer(:, :)
+    integer :: n
+
+    if (.not. allocated(run%plan%defined_at)) allocate (run%plan%defined_at(2, 0))
+    n = size(run%plan%defined_at, 2)
+    if (last > n) then
+      allocate (longer(2, last), source=-1)
+      longer(:, :n) = run%plan%defined_at
+      call move_alloc(longer, run%plan%defined_at)
+    end if
+    run%plan%defined_at(:, first:last) = spread(moment(run), 2, last - first + 1)
+  end subroutine note_definition
+
+  !> Has nothing been solved since PROP defined this table?
+  logical function has_not_acted(run, k)
+    type(run_t), intent(in) :: run
+    integer, intent(in) :: k
+
+    has_not_acted = .false.
+    if (.not. allocated(run%plan%defined_at)) return
+    if (k > size(run%plan%defined_at, 2)) return
+    has_not_acted = all(run%plan%defined_at(:, k) == moment(run))
+  end function has_not_acted
+
+  !> The closed steps and the iterations so far.
+  pure function moment(run)
+    type(run_t), intent(in) :: run
+    integer :: moment(2)
+
+    moment = [run%state%step, run%step%total%iterations]
+  end function moment
 
   !> Have two tables the same data?
   pure logical function equal(a, b)

@@ -13,6 +13,7 @@ module curve_file
   implicit none
   private
   public :: curve_file_t, open_curve, write_row, close_curve, curve_names, find_row, first_step
+  public :: cut_curve
 
   integer, parameter :: WIDTH = 25  !! width of a column of reals
   integer, parameter :: NARROW = 12 !! width of a column of integers
@@ -192,6 +193,29 @@ contains
     step = row_step(rows)
   end function first_step
 
+  !> Remove the rows after step `keep` from the table of a curve with any quantities. `cut` tells
+  !! whether there were such rows.
+  subroutine cut_curve(path, keep, cut, error)
+    character(*), intent(in) :: path
+    integer, intent(in) :: keep
+    logical, intent(out) :: cut
+    type(error_t), allocatable, intent(out) :: error
+    character(:), allocatable :: old
+    integer :: first, last
+
+    cut = .false.
+    call read_whole(path, old)
+    first = index(old, new_line('a')) + 1
+    do
+      last = first + index(old(first:), new_line('a')) - 1
+      if (last < first) return
+      if (row_step(old(first:last)) > keep) exit
+      first = last + 1
+    end do
+    cut = .true.
+    call write_whole(path, old(:first - 1), error)
+  end subroutine cut_curve
+
   !> Read the rows of an old table. Its number of load factors is -1 if its quantities are not these
   !! columns; without a file there are no rows.
   subroutine read_table(path, columns, rows, nfactor)
@@ -200,17 +224,12 @@ contains
     character(:), allocatable, intent(out) :: rows !! lines with their line ends
     integer, intent(out) :: nfactor
     character(:), allocatable :: old
-    integer :: unit, status, first, n
+    integer :: first
 
     rows = ''
     nfactor = 0
-    open (newunit=unit, file=path, action='read', status='old', access='stream', iostat=status)
-    if (status /= 0) return
-    inquire (unit, size=n)
-    allocate (character(n) :: old)
-    read (unit, iostat=status) old
-    close (unit)
-    if (status /= 0) return
+    call read_whole(path, old)
+    if (len(old) == 0) return
     first = index(old, new_line('a')) + 1
     rows = old(first:)
     do
@@ -219,6 +238,23 @@ contains
     end do
     if (old(:first - 1) /= header(columns, nfactor)) nfactor = -1
   end subroutine read_table
+
+  !> Read the text of an old table, which is empty if there is none.
+  subroutine read_whole(path, text)
+    character(*), intent(in) :: path
+    character(:), allocatable, intent(out) :: text
+    integer :: unit, status, n
+
+    text = ''
+    open (newunit=unit, file=path, action='read', status='old', access='stream', iostat=status)
+    if (status /= 0) return
+    inquire (unit, size=n)
+    deallocate (text)
+    allocate (character(n) :: text)
+    read (unit, iostat=status) text
+    close (unit)
+    if (status /= 0) text = ''
+  end subroutine read_whole
 
   !> Step of the first of some rows; the largest integer if there is none.
   pure integer function row_step(rows) result(step)

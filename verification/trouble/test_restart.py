@@ -293,6 +293,17 @@ class Names(Folder):
         (self.at / "box_more.dat.old").rename(self.at / "old_more.dat")
         self.assertEqual(self.table("old", "more"), before)
 
+    def test_a_table_that_the_deck_does_not_continue_loses_the_steps_after_the_checkpoint(self):
+        more = ("CURVe,force\n", "CURVe,more\n  DISP a 3+ 3\n\nCURVe,force\n")
+        self.run_as("box", more)
+        shutil.copy(self.at / "box.restart.h5", self.at / "copy.h5")
+        self.run_as("box", more, restart="RESTart")
+        self.assertEqual([row[0] for row in self.table("box", "more")[1]], [1, 2, 3, 4])
+        shutil.copy(self.at / "copy.h5", self.at / "box.restart.h5")
+        self.run_as("box", restart="RESTart")
+        self.assertEqual([row[0] for row in self.table("box", "more")[1]], [1, 2])
+        self.assertIn("which this deck does not continue", (self.at / "box.log").read_text())
+
     def test_an_interval_without_a_multiple_after_restart_is_noticed(self):
         one_step = ("time,2", "time,1")  # the third
         for n, says in ((2, True), (3, False)):
