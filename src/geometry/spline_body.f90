@@ -44,6 +44,10 @@ contains
     integer :: a, e, first, g, number
 
     associate (s => spec%spline%surface)
+      call compose(spec%placement, turn, shift)
+      do a = 1, s%nnode
+        s%x(:, a) = matmul(turn, s%x(:, a)) + shift
+      end do
       if (size(inner) > 0) then
         name = 'Q1N'
         if (spec%spline%eas) name = 'Q1E9N'
@@ -54,10 +58,6 @@ contains
         if (allocated(error)) return
       else
         row = describe_surface()
-        call compose(spec%placement, turn, shift)
-        do a = 1, s%nnode
-          s%x(:, a) = matmul(turn, s%x(:, a)) + shift
-        end do
         call orient_tool(s, spec%spline%reverse)
       end if
       used = .false. ! control points that belong to no element are left out

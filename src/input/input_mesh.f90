@@ -17,6 +17,7 @@ module input_mesh
   use patch_spec, only: patch_spec_t, GEO_SPLINE, GEO_MESH
   use spline_body, only: build_spline
   use word_material, only: material_index
+  use word_patch, only: patch_named
   implicit none
   private
   public :: make_mesh, count_mesh, make_bodies
@@ -215,10 +216,13 @@ contains
     type(mesh_t), intent(inout) :: mesh
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: inner(:, :)
-    integer :: c, e
+    integer :: c, e, p
 
     allocate (inner(4, 0))
     if (spec%spline%has_layer) then
+      p = 0
+      if (allocated(spec%spline%mesh)) p = patch_named(draft, spec%spline%mesh)
+      if (p > 0) spec%placement = draft%patch(p)%spec%placement ! the skin moves with the nodes
       inner = spec%spline%inner
       do e = 1, size(inner, 2)
         do c = 1, 4

@@ -147,7 +147,8 @@ contains
                   'remove REVErse: the inner nodes of the layer determine which side is inside')
       else if (size(spec%placement) > 0) then
         call fail(error, DECK_ERROR, name//' has LAYEr and ROTAte or TRANslate', spec%place, &
-                  'remove ROTAte and TRANslate: the inner nodes determine where the layer lies')
+                  'remove them: the inner nodes determine where the layer lies, and it follows ' &
+                  //'ROTAte, TRANslate and SCALe of its MESH')
       end if
     end associate
   end subroutine check_complete
