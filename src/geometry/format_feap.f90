@@ -32,6 +32,12 @@ contains
     do
       call next_word(text, word)
       if (len(word) == 0) exit
+      if (words_left(text) > 0 .or. index(word, ',') > 0) then
+        call fail_in_file(text, 'only the word itself is expected in the line of '//quoted(word), &
+                          error, 'write the records in the lines after it; options belong in ' &
+                          //'the deck')
+        return
+      end if
       select case (lower(word(:min(4, len(word)))))
       case ('coor')
         call read_nodes(text, file, error)
