@@ -37,6 +37,8 @@ contains
         set(n)%name = text%all(key:key + index(text%all(key:), '"') - 2)
       end associate
       text%at = json%at(list)
+      call check_new(text, set(:n), error)
+      if (allocated(error)) return
       if (json%type(list) /= JSON_LIST) then
         call fail_in_file(text, 'set '//quoted(set(n)%name)//' is not a list', error, &
                           'a set is a list of elements, counted from 0')
@@ -70,6 +72,29 @@ contains
     end do
     call move_alloc(set, surface%set)
   end subroutine read_sets
+
+  !> Check that the last set has a name of its own, which is not that of a face.
+  subroutine check_new(text, set, error)
+    type(text_t), intent(in) :: text
+    type(spline_set_t), intent(in) :: set(:)
+    type(error_t), allocatable, intent(out) :: error
+    integer :: i
+
+    associate (name => set(size(set))%name)
+      if (any(name == ['1-', '1+', '2-', '2+', '3-', '3+'])) then
+        call fail_in_file(text, 'set '//quoted(name)//' has the name of a face', error, &
+                          'give it another name; 3- is the whole surface')
+        return
+      end if
+      do i = 1, size(set) - 1
+        if (lower(set(i)%name) /= lower(name)) cycle
+        call fail_in_file(text, 'sets '//quoted(set(i)%name)//' and '//quoted(name) &
+                          //' have the same name, apart from upper and lower case', error, &
+                          'give each set a name of its own')
+        return
+      end do
+    end associate
+  end subroutine check_new
 
   !> Check that a spline has the set `name`.
   subroutine check_set(s, spline, name, place, error)
