@@ -16,7 +16,7 @@ module mesh_body
   use patch_spec, only: patch_spec_t, compose
   implicit none
   private
-  public :: mesh_spec_t, mesh_material_t, build_mesh, group_named, group_hint
+  public :: mesh_spec_t, mesh_material_t, build_mesh, group_named, group_hint, check_case
 
   !> A record `MATErial m [group]`.
   type :: mesh_material_t
@@ -108,6 +108,8 @@ contains
                     //quoted(set%group), set%group_place, hint)
           return
         end if
+        call check_case(file, spec%spec%name, set%group, chosen, set%group_place, error)
+        if (allocated(error)) return
         do m = 1, file%nmember
           if (.not. chosen(file%member(2, m))) cycle
           material(file%member(1, m)) = set%index
@@ -207,6 +209,25 @@ contains
     end if
   end function group_named
 
+  !> Fail if the groups that a name chooses have different names.
+  subroutine check_case(file, mesh, name, chosen, place, error)
+    type(mesh_file_t), intent(in) :: file
+    character(*), intent(in) :: mesh, name !! as written in the deck
+    logical, intent(in) :: chosen(:)       !! (size(file%group))
+    type(place_t), intent(in) :: place     !! place of the name
+    type(error_t), allocatable, intent(out) :: error
+    integer :: first, g
+
+    first = findloc(chosen, .true., 1)
+    do g = first + 1, size(chosen)
+      if (.not. chosen(g) .or. file%group(g)%name == file%group(first)%name) cycle
+      call fail(error, DECK_ERROR, 'mesh '//quoted(mesh)//' has several groups whose names ' &
+                //'differ from '//quoted(name)//' only in case', place, &
+                'write the name as in the mesh file')
+      return
+    end do
+  end subroutine check_case
+
   !> Make a hint for a group name that does not exist.
   function group_hint(file, name) result(hint)
     type(mesh_file_t), intent(in) :: file
@@ -265,12 +286,28 @@ contains
         seen(f) = .true.
         n = n + 1
         list(n) = f
+        call add_face_nodes(file, faces, f, on)
       end do
       group(ngroup)%node = nnode + pack([(i, i=1, file%nnode)], on)
       call take_faces(faces, place, list(:n), group(ngroup)%face)
     end do
     body%group = group(:ngroup)
   end subroutine set_groups
+
+  !> Mark all nodes of a face: a surface element of a group may have only its corners.
+  pure subroutine add_face_nodes(file, faces, f, on)
+    type(mesh_file_t), intent(in) :: file
+    type(faces_t), intent(in) :: faces
+    integer, intent(in) :: f
+    logical, intent(inout) :: on(:) !! (nnode of the file)
+
+    associate (e => faces%elem(f), s => faces%side(f))
+      associate (topology => file%shapes(file%shape(e))%topology)
+        on(file%node(file%first(e) - 1 &
+                     + topology%node(topology%first(s):topology%first(s + 1) - 1))) = .true.
+      end associate
+    end associate
+  end subroutine add_face_nodes
 
   pure subroutine take_faces(faces, place, list, face)
     type(faces_t), intent(in) :: faces

@@ -14,8 +14,7 @@ module input_check
   use input_tie, only: tie_tolerance
   use input_where, only: where_t, unknown_face, W_FACES, W_EDGE, W_GROUP
   use mesh, only: mesh_t, block_t, block_cell, is_rigid
-  use mesh_body, only: group_named, group_hint
-  use mesh_file, only: mesh_file_t
+  use mesh_body, only: check_case, group_named, group_hint
   use patch_spec, only: GEO_MESH, GEO_SPLINE
   use spline_set, only: check_set
   use tensor, only: det3
@@ -217,6 +216,15 @@ contains
       return
     end if
     p = patch_named(draft, at%body)
+    if (p > 0 .and. at%type == W_EDGE) then
+      if (any(draft%patch(p)%spec%geometry == [GEO_MESH, GEO_SPLINE])) then
+        call fail(error, DECK_ERROR, 'a MESH or a SPLIne has no edges between two faces', &
+                  at%face_place, 'name one group; in a MESH, a group of lines selects the nodes ' &
+                  //'of an edge')
+        call draft%errors%add(error)
+        return
+      end if
+    end if
     if (p > 0) then
       if (draft%patch(p)%spec%geometry == GEO_SPLINE .and. at%type == W_GROUP) then
         call check_set(draft%patch(p)%spec%spline%surface, at%body, at%face, at%face_place, error)
@@ -238,29 +246,13 @@ contains
           call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has several groups ' &
                     //quoted(at%face)//' of different dimensions, none of them a surface', &
                     at%face_place, 'name the groups in the program that made the mesh')
-        else if (differ_in_case(mesh%file, chosen)) then
-          call fail(error, DECK_ERROR, 'mesh '//quoted(at%body)//' has several groups whose ' &
-                    //'names differ from '//quoted(at%face)//' only in case', at%face_place, &
-                    'write the name as in the mesh file')
+        else
+          call check_case(mesh%file, at%body, at%face, chosen, at%face_place, error)
         end if
       end associate
     end if
     if (allocated(error)) call draft%errors%add(error)
   end subroutine check_where
-
-  !> Have the chosen groups of a mesh different names?
-  pure logical function differ_in_case(file, chosen)
-    type(mesh_file_t), intent(in) :: file
-    logical, intent(in) :: chosen(:)
-    integer :: first, g
-
-    differ_in_case = .false.
-    first = findloc(chosen, .true., 1)
-    do g = 1, size(chosen)
-      if (chosen(g)) differ_in_case = differ_in_case .or. &
-                                      file%group(g)%name /= file%group(first)%name
-    end do
-  end function differ_in_case
 
   !> Is there a PATCh, MESH, SPLIne or NPATch of that name?
   logical function is_known(draft, name) result(known)
