@@ -59,6 +59,10 @@ contains
       if (t%direction < 0 .or. t%direction > 3) then
         call fail(error, DECK_ERROR, 'unknown direction '//to_text(t%direction), &
                   record%place(3), 'directions are 1, 2 and 3')
+      else if (t%direction == 0 .and. abs(t%coordinate) > 0.0_wp) then
+        call fail(error, DECK_ERROR, 'TIE has a coordinate, but no direction', record%place(4), &
+                  'TIE,,direction,coordinate joins nodes on a plane; a tolerance is the fifth ' &
+                  //'field: TIE,,,,tolerance')
       end if
     case ('node')
       call get_integer(deck, record, 3, t%from, error)
