@@ -11,7 +11,7 @@ module command_tplot
   use deck_stream, only: get_integer, get_real
   use input_numbers, only: warn_number
   use input_rigid, only: warn_part_of_rigid
-  use input_where, only: nearest_nodes
+  use input_where, only: check_near, nearest_nodes, warn_between
   implicit none
   private
   public :: tplot_rows
@@ -120,6 +120,9 @@ contains
     else if (node == 0) then
       call nearest_nodes(run%model%mesh, x, no_rigid=.false., on=on)
       node = findloc(on, .true., 1) ! the first of several
+      call check_near(run%model%mesh, x, node, record%place(min(4, record%n)), error)
+      if (allocated(error)) return
+      call warn_between(run%model%mesh, on, .false., record%place(min(4, record%n)))
     end if
     if (node < 1 .or. node > run%model%mesh%nnode) then
       call fail(error, DECK_ERROR, 'the mesh has no node '//to_text(node), record%place(2), &

@@ -12,7 +12,7 @@ module input_where
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
-  public :: equally_near, nearest_nodes, warn_between, warn_far, warn_rigid
+  public :: equally_near, nearest_nodes, check_near, warn_between, warn_far, warn_rigid
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
@@ -250,7 +250,7 @@ contains
     case (W_POINT)
       call nearest_nodes(mesh, place%x, no_rigid, on)
       i = findloc(on, .true., 1)
-      call check_near(mesh, place, i, error)
+      call check_near(mesh, place%x, i, place%place, error)
       if (allocated(error)) return
       call warn_between(mesh, on, all_near, place%place)
       if (.not. all_near) on(i + 1:) = .false.
@@ -315,20 +315,21 @@ contains
 
   !> Warn if the node nearest to a POINt is farther from the point than from any other node of its
   !! elements. Fail if its distance from the point is larger than the extent of the model.
-  subroutine check_near(mesh, place, node, error)
+  subroutine check_near(mesh, x, node, place, error)
     type(mesh_t), intent(in) :: mesh
-    type(where_t), intent(in) :: place
-    integer, intent(in) :: node
+    real(wp), intent(in) :: x(3)       !! the point [L]
+    integer, intent(in) :: node        !! node nearest to the point
+    type(place_t), intent(in) :: place !! place of the point in the deck
     type(error_t), allocatable, intent(out) :: error
     real(wp) :: away, extent
 
-    away = norm2(mesh%xr(:, node) - place%x)
+    away = norm2(mesh%xr(:, node) - x)
     extent = extent_of(mesh, mesh%used)
     if (away > extent) then
       call fail(error, DECK_ERROR, far_text(node, away)//', more than the extent of the model (' &
-                //to_text(extent, 3)//')', place%place, 'give a point in or on a body')
+                //to_text(extent, 3)//')', place, 'give a point in or on a body')
     else
-      call warn_far(mesh, place%x, node, place%place)
+      call warn_far(mesh, x, node, place)
     end if
   end subroutine check_near
 
