@@ -123,6 +123,7 @@ contains
         end if
       end if
       if (record%kind /= RECORD_WORDS) return
+      if (record%assigns()) return ! a parameter may have a name such as `incline`
       select case (record%key(1))
       case ('incl')
         call include_file(reader, record, error)
