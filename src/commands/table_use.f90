@@ -129,15 +129,17 @@ contains
     type(place_t), intent(in) :: place     !! place of the PROP in the deck
     type(use_t), allocatable :: uses(:)
     real(wp) :: before, after
+    character(5) :: next
 
     if (k > size(run%state%table)) return
     associate (old => run%state%table(k))
       if (old%kind == 1 .and. .not. old%tmax > old%tmin) return ! no PROP has defined it
       if (has_not_acted(run, k)) then
         if (.not. equal(old, new)) then
-          call warn('PROP defines load table '//to_text(k)//' again before the '//trim(merge( &
-                    'first', 'next ', run%state%step == 0))//' step, so the previous table ' &
-                    //'never acts', place, 'give one of them another number: PROP,,k')
+          next = merge('first', 'next ', run%state%step == 0)
+          call warn('PROP defines load table '//to_text(k)//' again before the '//trim(next) &
+                    //' step, so the previous table never acts', place, &
+                    'give one of them another number: PROP,,k')
         end if
         return
       end if
