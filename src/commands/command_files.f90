@@ -4,7 +4,7 @@
 module command_files
   use base_agreement, only: agree
   use base_comm, only: is_root, largest
-  use base_error, only: error_t, DECK_ERROR
+  use base_error, only: error_t, DECK_ERROR, SYSTEM_ERROR
   use base_file, only: cut_file, file_t, file_size, inspect, remove_file, replace_file, FILE_ABSENT
   use base_kinds, only: wp, i8
   use base_log, only: log_line, warn
@@ -370,6 +370,7 @@ contains
           if (error%code == DECK_ERROR .and. record%key(1) == 'outp') error%place = record%place(1)
         end associate
       end do
+      if (error%code == DECK_ERROR) error%code = SYSTEM_ERROR ! because the log has been written
     end if
     call agree(error)
     run%files%result_open = .not. allocated(error)

@@ -10,6 +10,7 @@ module command_restart
   use command_doubts, only: warn_kept_multipliers
   use command_files, only: continue_tables, open_files
   use command_type, only: run_t, command_t, command_row_t, new_row
+  use deck_record, only: resolve_path
   use contact_augment, only: is_augmented
   use contact_report, only: renew_warnings
   use dynamics_type, only: dynamics_t, new_dynamics
@@ -201,13 +202,18 @@ contains
     end if
   end subroutine read_state
 
+  !> The path of the checkpoint: beside the deck or, if it is not there, from the working folder.
   function path_of(run, command) result(path)
     type(run_t), intent(in) :: run
     type(command_t), intent(in) :: command
     character(:), allocatable :: path
+    type(file_t) :: file
 
     path = own_path(run)
-    if (.not. command%record%is_empty(2)) path = command%record%text(2)
+    if (command%record%is_empty(2)) return
+    path = resolve_path(command%record, 2)
+    call inspect(path, file)
+    if (file%kind == FILE_ABSENT) path = command%record%text(2)
   end function path_of
 
   !> The path of the checkpoints that this run writes.

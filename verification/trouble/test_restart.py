@@ -293,6 +293,15 @@ class Names(Folder):
         (self.at / "box_more.dat.old").rename(self.at / "old_more.dat")
         self.assertEqual(self.table("old", "more"), before)
 
+    def test_a_checkpoint_lies_beside_the_deck_or_in_the_working_folder(self):
+        deck = self.deck.replace("BATCh\n", "BATCh\n  RESTart,box.restart.h5\n")
+        (self.at / "sub").mkdir()
+        (self.at / "sub" / "next.inp").write_text(deck)
+        self.assertEqual(self.run_bezel("sub/next.inp").returncode, 0)
+        shutil.copy(self.at / "next.restart.h5", self.at / "sub" / "box.restart.h5")
+        self.assertEqual(self.run_bezel("sub/next.inp").returncode, 0)
+        self.assertEqual([row[0] for row in self.table("next")[1]], [3, 4, 5, 6])
+
     def test_a_table_that_the_deck_does_not_continue_loses_the_steps_after_the_checkpoint(self):
         more = ("CURVe,force\n", "CURVe,more\n  DISP a 3+ 3\n\nCURVe,force\n")
         self.run_as("box", more)
@@ -532,7 +541,7 @@ class Names(Folder):
 
         self.run_as("box", fields("displacement"))
         before = self.table("box")
-        said = self.run_as("box", fields("displacement mises"), restart="RESTart", code=1)
+        said = self.run_as("box", fields("displacement mises"), restart="RESTart", code=3)
         self.assertIn("contains the fields displacement up to step 2, but OUTPut names", said)
         self.assertIn("OUTPut,,every 1 displacement mises", said)
         self.assertEqual(self.table("box"), before)
