@@ -1,6 +1,7 @@
 !> Faces of a body that are joined with each other, by TIE or because they have the same nodes from
 !! the start (a closed ring). They lie inside the body, so that ALL does not contain them.
 module input_seam
+  use base_grow, only: grow
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique
   use element_type, only: cell_t, topology_t
@@ -18,41 +19,70 @@ contains
     integer, intent(in) :: body
     integer, intent(in) :: block(:), elem(:), side(:) !! as in body_face_t
     logical, allocatable, intent(out) :: yes(:)
+    integer, allocatable :: first(:), list(:) ! where the nodes of each face begin, and these nodes
     integer(i8), allocatable :: key(:)
-    integer, allocatable :: order(:), node(:)
-    integer :: f, i, n, given
+    integer, allocatable :: order(:)
+    integer :: f, given, i, j, last, n, same
 
     given = size(elem)
     n = given + sum([(size(mesh%body(body)%face(f)%elem), f=1, 6)])
     allocate (yes(given), source=.false.)
-    allocate (key(n), order(n))
+    ! A SPLIne has only the face 3-; several of its elements may have the same control points.
+    if (n - given == size(mesh%body(body)%face(5)%elem)) return
+    allocate (key(n), order(n), first(n + 1), list(0))
+    first(1) = 1
+    n = 0
     do i = 1, given
-      call face_nodes(mesh, block(i), elem(i), side(i), node)
-      key(i) = hash(node)
-      yes(i) = size(node) < 3
+      call add(block(i), elem(i), side(i))
+      yes(i) = first(n + 1) - first(n) < 3
     end do
-    n = given
     do f = 1, 6
       associate (face => mesh%body(body)%face(f))
         do i = 1, size(face%elem)
-          n = n + 1
-          call face_nodes(mesh, face%block(i), face%elem(i), face%side(i), node)
-          key(n) = hash(node)
+          call add(face%block(i), face%elem(i), face%side(i))
         end do
       end associate
     end do
     call sort_index(key, order)
-    i = 1
-    do while (i <= n)
-      f = i
-      do while (f < n)
-        if (key(order(f + 1)) /= key(order(i))) exit
-        f = f + 1
+    last = 0
+    do while (last < n)
+      i = last + 1
+      do last = i, n - 1
+        if (key(order(last + 1)) /= key(order(i))) exit
       end do
-      ! Each given face is among those of the body, too.
-      if (count(order(i:f) > given) > 1) yes(pack(order(i:f), order(i:f) <= given)) = .true.
-      i = f + 1
+      do f = i, last
+        if (order(f) > given) cycle
+        same = 0 ! faces of the body with these nodes, one of which is the given face itself
+        do j = i, last
+          if (order(j) > given .and. equal(order(f), order(j))) same = same + 1
+        end do
+        if (same > 1) yes(order(f)) = .true.
+      end do
     end do
+
+  contains
+
+    subroutine add(block, elem, side)
+      integer, intent(in) :: block, elem, side
+      integer, allocatable :: node(:)
+
+      call face_nodes(mesh, block, elem, side, node)
+      n = n + 1
+      key(n) = hash(node)
+      first(n + 1) = first(n) + size(node)
+      call grow(list, first(n + 1) - 1)
+      list(first(n):first(n + 1) - 1) = node
+    end subroutine add
+
+    !> Have two faces the same nodes? Different nodes may have the same key.
+    pure logical function equal(one, other)
+      integer, intent(in) :: one, other
+
+      equal = first(one + 1) - first(one) == first(other + 1) - first(other)
+      if (equal) equal = all(list(first(one):first(one + 1) - 1) &
+                             == list(first(other):first(other + 1) - 1))
+    end function equal
+
   end subroutine find_seam
 
   !> The different nodes of a face of an element, in ascending order.

@@ -517,9 +517,9 @@ contains
     call list_faces(mesh, b, place%mask, block, elem, side)
     if (place%mask == ALL_FACES) then
       call find_seam(mesh, b, block, elem, side, joined)
-      block = pack(block, .not. joined)
-      elem = pack(elem, .not. joined)
-      side = pack(side, .not. joined)
+      block = pack(block,.not. joined)
+      elem = pack(elem,.not. joined)
+      side = pack(side,.not. joined)
     end if
     if (g > 0) then
       n = size(mesh%body(b)%group(g)%face%elem)
