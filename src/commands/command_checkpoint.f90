@@ -353,19 +353,23 @@ contains
   subroutine exchange_tables(x, plan)
     type(exchange_t), intent(inout) :: x
     type(plan_t), intent(inout) :: plan
-    integer, allocatable :: acted(:), ended(:)
+    integer, allocatable :: acted(:), ended(:), defined(:)
     integer :: n
 
     call exchange(x, 'corner_warned', plan%corner_warned)
     if (x%writes) then
       acted = [integer ::]
       ended = [integer ::]
+      defined = [integer ::]
+      if (allocated(plan%defined_at)) defined = reshape(plan%defined_at, [size(plan%defined_at)])
       if (allocated(plan%acted)) acted = merge(1, 0, plan%acted)
       if (allocated(plan%ended)) ended = merge(1, 0, plan%ended)
     end if
     call exchange(x, 'table_acted', acted)
     call exchange(x, 'table_ended', ended)
+    call exchange(x, 'table_defined_at', defined)
     if (x%writes .or. .not. x%whole) return
+    plan%defined_at = reshape(defined(:2*(size(defined)/2)), [2, size(defined)/2])
     n = size(ended)
     if (size(acted) /= n + 1) return ! no step has been closed
     if (allocated(plan%acted)) deallocate (plan%acted, plan%ended)
