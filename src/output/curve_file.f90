@@ -193,15 +193,16 @@ contains
     step = row_step(rows)
   end function first_step
 
-  !> Remove the rows after step `keep` from the table of a curve with any quantities. `cut` tells
-  !! whether there were such rows.
+  !> Remove the rows after step `keep`, and all lines behind the first of them, from the table of a
+  !! curve with any quantities. `cut` tells whether there were such rows. Lines that do not begin
+  !! with a step, such as comments, count as part of the rows before them.
   subroutine cut_curve(path, keep, cut, error)
     character(*), intent(in) :: path
     integer, intent(in) :: keep
     logical, intent(out) :: cut
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: old
-    integer :: first, last
+    integer :: first, last, step
 
     cut = .false.
     call read_whole(path, old)
@@ -209,7 +210,8 @@ contains
     do
       last = first + index(old(first:), new_line('a')) - 1
       if (last < first) return
-      if (row_step(old(first:last)) > keep) exit
+      step = row_step(old(first:last))
+      if (step > keep .and. step < huge(step)) exit
       first = last + 1
     end do
     cut = .true.
