@@ -65,7 +65,8 @@ AREAS = (
     "src/solution/predictor.f90",
     "src/model/prescribed.f90",
 )
-TROUBLE = ("factors", "fields", "hints", "restart")  # tests of `make trouble` about results
+#: Tests of `make trouble` about results.
+TROUBLE = ("continued_files", "factors", "fields", "hints", "restart")
 LATEST = 10  # ratio of CPU times from which on a test has failed
 UNIT = 10  # unit tests come first, as if they had caught so many mutants
 PATIENCE = 10  # CPU seconds that are always allowed
