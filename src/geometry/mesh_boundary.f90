@@ -5,7 +5,7 @@ module mesh_boundary
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique
   use element_type, only: cell_t, topology_t
-  use mesh, only: mesh_t, block_cell
+  use mesh, only: mesh_t, block_cell, body_boundary
   implicit none
   private
   public :: find_outer_faces
@@ -21,7 +21,7 @@ contains
     logical, intent(in), optional :: by_material !! faces between two materials are outer faces too
     integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
     integer(i8), allocatable :: key(:)
-    integer, allocatable :: order(:), node(:)
+    integer, allocatable :: order(:), node(:), own_block(:), own_elem(:), own_side(:)
     logical, allocatable :: outer(:)
     type(topology_t) :: topology
     type(cell_t) :: cell
@@ -70,13 +70,10 @@ contains
     elem = pack(elem(:n), outer)
     side = pack(side(:n), outer)
     do b = 1, size(mesh%body)
-      do f = 1, 6
-        associate (face => mesh%body(b)%face(f))
-          block = [block, face%block]
-          elem = [elem, face%elem]
-          side = [side, face%side]
-        end associate
-      end do
+      call body_boundary(mesh, b, own_block, own_elem, own_side)
+      block = [block, own_block]
+      elem = [elem, own_elem]
+      side = [side, own_side]
     end do
   end subroutine find_outer_faces
 

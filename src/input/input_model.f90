@@ -28,6 +28,7 @@ module input_model
   use input_twice, only: warn_repeated_conditions
   use input_untied, only: warn_hanging, warn_untied
   use mesh, only: place_origin
+  use mesh_seam, only: leave_inner_faces
   use model, only: model_t
   use model_basis, only: tabulate_basis
   use unread_constraints, only: find_unread
@@ -79,6 +80,7 @@ contains
         call check_jacobians(draft, mesh) ! before surfaces are sought on misnumbered elements
         call apply_conditions(draft, mesh, tied, bc)
         call tie_nodes(tied, mesh)
+        call leave_inner_faces(mesh)
         call follow_ties(draft, tied)
         call close_constraints(draft, mesh)
         if (draft%errors%count() > 0) exit stages

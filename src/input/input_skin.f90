@@ -5,7 +5,7 @@ module input_skin
   use base_text, only: quoted
   use contact_pair, only: surface_t
   use contact_surface, only: build_surface
-  use mesh, only: mesh_t, is_rigid
+  use mesh, only: mesh_t, body_boundary, is_rigid
   use mesh_boundary, only: find_outer_faces
   use projection_search, only: grid_t, update_grid
   use projection_type, only: shape_t
@@ -32,7 +32,6 @@ contains
     type(error_t), allocatable :: error
     integer, allocatable :: block(:), elem(:), side(:)
     logical, allocatable :: own(:)
-    integer :: f
 
     if (body == 0) then
       call find_outer_faces(mesh, block, elem, side)
@@ -41,14 +40,7 @@ contains
       elem = pack(elem, own)
       side = pack(side, own)
     else
-      allocate (block(0), elem(0), side(0))
-      do f = 1, 6
-        associate (face => mesh%body(body)%face(f))
-          block = [block, face%block]
-          elem = [elem, face%elem]
-          side = [side, face%side]
-        end associate
-      end do
+      call body_boundary(mesh, body, block, elem, side)
     end if
     if (size(elem) == 0) return
     call build_surface(mesh, block, elem, side, body_name(mesh, body), skin%surface, error)

@@ -22,7 +22,8 @@ contains
 
   !> Smallest distance [L] between corresponding points of the named faces and of the opposite
   !! faces, or the thickness of the layer of a SPLIne. It is 0 if two such faces meet, if the
-  !! SPLIne has no layer, or if the geometry has an error. The patch is measured before it is
+  !! SPLIne has no layer, or if the geometry has an error. Faces at the seam of a closed patch,
+  !! which coincide, do not count beside others. The patch is measured before it is
   !! refined and placed; placement does not change distances.
   function body_thickness(draft, name, mask) result(thickness)
     type(draft_t), intent(in) :: draft
@@ -32,7 +33,8 @@ contains
     type(nurbs_t) :: patch
     type(geometry_t) :: geo
     type(error_t), allocatable :: error
-    real(wp) :: low(3), high(3), u(3), from(3), to(3), least, width
+    real(wp) :: low(3), high(3), u(3), from(3), to(3), least(3), width(3)
+    logical :: counts(3)
     integer :: a, b, d, degree, i, j, k, p
 
     thickness = 0.0_wp
@@ -74,12 +76,14 @@ contains
           call evaluate(patch, u, from)
           u(d) = high(d)
           call evaluate(patch, u, to)
-          least = min(least, norm2(to - from))
-          width = max(width, norm2(to - from))
+          least(d) = min(least(d), norm2(to - from))
+          width(d) = max(width(d), norm2(to - from))
         end do
       end do
     end do
-    if (least > NOTHING*width) thickness = least
+    counts = width > NOTHING*maxval(width)
+    if (.not. any(counts)) return
+    if (minval(least, counts) > NOTHING*maxval(width)) thickness = minval(least, counts)
   end function body_thickness
 
 end module input_thickness

@@ -8,8 +8,7 @@ module input_where
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
   use input_plane, only: plane_t, warn_plane
-  use input_seam, only: face_nodes, find_seam
-  use mesh, only: mesh_t, body_t, mark_rigid
+  use mesh, only: mesh_t, body_t, body_boundary, mark_rigid, INSIDE
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
@@ -231,9 +230,9 @@ contains
           do i = 1, size(body%node)
             n = iand(body%mask(i), place%mask)
             if (n == 0) cycle
+            if (place%mask == ALL_FACES .and. btest(body%mask(i), INSIDE)) cycle
             if (n == place%mask .or. place%type == W_FACES) on(body%node(i)) = .true.
           end do
-          if (place%mask == ALL_FACES) call leave_seam(mesh, body_index(mesh, place%body), on)
           if (g > 0) call warn_all(body, place, all(on(body%group(g)%node)) .and. &
                                    count(on) == size(body%group(g)%node))
         end if
@@ -272,44 +271,6 @@ contains
     node = pack([(i, i=1, mesh%nnode)], on)
     if (size(node) == 0) call fail(error, DECK_ERROR, 'no node lies at this place', place%place)
   end subroutine find_nodes
-
-  !> Leave out the nodes of a body that lie only on faces which are joined with each other.
-  subroutine leave_seam(mesh, body, on)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body
-    logical, intent(inout) :: on(:) !! (nnode)
-    integer, allocatable :: block(:), elem(:), side(:), node(:)
-    logical, allocatable :: joined(:)
-    integer :: i
-
-    call list_faces(mesh, body, ALL_FACES, block, elem, side)
-    call find_seam(mesh, body, block, elem, side, joined)
-    if (.not. any(joined)) return
-    on = .false.
-    do i = 1, size(elem)
-      if (joined(i)) cycle
-      call face_nodes(mesh, block(i), elem(i), side(i), node)
-      on(node) = .true.
-    end do
-  end subroutine leave_seam
-
-  !> List the element faces of those faces of a body that a mask chooses.
-  subroutine list_faces(mesh, body, mask, block, elem, side)
-    type(mesh_t), intent(in) :: mesh
-    integer, intent(in) :: body, mask
-    integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
-    integer :: f
-
-    allocate (block(0), elem(0), side(0))
-    do f = 1, 6
-      if (.not. btest(mask, f - 1)) cycle
-      associate (face => mesh%body(body)%face(f))
-        block = [block, face%block]
-        elem = [elem, face%elem]
-        side = [side, face%side]
-      end associate
-    end do
-  end subroutine list_faces
 
   !> Mark the nodes that are equally near to a point, nearer than all others. Those of rigid bodies
   !! are left out if another body is equally near, and with `no_rigid` always.
@@ -480,8 +441,7 @@ contains
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
     type(error_t), allocatable, intent(out) :: error
-    logical, allocatable :: joined(:)
-    integer :: b, g, n
+    integer :: b, f, g, n
 
     allocate (block(0), elem(0), side(0))
     if (place%type /= W_FACES .and. place%type /= W_GROUP) then
@@ -495,18 +455,12 @@ contains
         block = group%face%block
         elem = group%face%elem
         side = group%face%side
-        call find_seam(mesh, b, block, elem, side, joined)
         if (group%inner > 0) then
           call fail(error, DECK_ERROR, 'surface elements of group '//quoted(group%name) &
                     //' are not on the boundary of '//quoted(place%body)//' (number: ' &
                     //to_text(group%inner)//' of '//to_text(group%inner + size(elem))//')', &
                     place%face_place, 'loads and contact act on the boundary; these elements lie ' &
-                    //'inside the body or on no element')
-        else if (any(joined)) then
-          call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of '//quoted(place%body) &
-                    //' has faces that are joined with other faces of this body', &
-                    place%face_place, 'loads and contact act on the boundary; leave these faces ' &
-                    //'out of the group')
+                    //'inside the body, also where TIE joins its faces, or on no element')
         else if (size(elem) == 0) then
           call fail(error, DECK_ERROR, 'group '//quoted(group%name)//' of '//quoted(place%body) &
                     //' has no surface elements', place%face_place, 'name a physical surface')
@@ -514,12 +468,17 @@ contains
       end associate
       return
     end if
-    call list_faces(mesh, b, place%mask, block, elem, side)
     if (place%mask == ALL_FACES) then
-      call find_seam(mesh, b, block, elem, side, joined)
-      block = pack(block,.not. joined)
-      elem = pack(elem,.not. joined)
-      side = pack(side,.not. joined)
+      call body_boundary(mesh, b, block, elem, side)
+    else
+      do f = 1, 6
+        if (.not. btest(place%mask, f - 1)) cycle
+        associate (face => mesh%body(b)%face(f))
+          block = [block, face%block]
+          elem = [elem, face%elem]
+          side = [side, face%side]
+        end associate
+      end do
     end if
     if (g > 0) then
       n = size(mesh%body(b)%group(g)%face%elem)

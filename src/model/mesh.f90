@@ -11,7 +11,8 @@ module mesh
   implicit none
   private
   public :: mesh_t, block_t, operator_t, body_t, body_face_t, group_t, block_cell, append_nodes, &
-            append_blocks, append_body, is_rigid, solid_nodes, mark_rigid, place_origin
+            append_blocks, append_body, is_rigid, solid_nodes, mark_rigid, place_origin, &
+            body_boundary, INSIDE
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -43,6 +44,8 @@ module mesh
     type(rule_t) :: rule
     type(basis_t), allocatable :: basis(:) !! functions of each class of elements (model_basis)
     integer, allocatable :: ibasis(:)      !! (nelem) class of each element
+    !> (6, nelem) faces of a body that do not bound it (mesh_seam); not allocated: none.
+    logical, allocatable :: inner(:, :)
   end type block_t
 
   !> One face of a body: the element faces that make it up.
@@ -67,7 +70,7 @@ module mesh
     character(:), allocatable :: name
     type(place_t) :: place
     integer, allocatable :: node(:)    !! nodes and control points of the body
-    integer, allocatable :: mask(:)    !! bit f-1 is set if node(i) lies on face f
+    integer, allocatable :: mask(:)    !! bit f-1 is set if node(i) lies on face f; bit INSIDE
     type(body_face_t) :: face(6)       !! the six faces; face 1 of a mesh is its whole boundary
     type(group_t), allocatable :: group(:) !! sets of a mesh or spline; not allocated: a patch
     integer, allocatable :: label(:)   !! (size(node)) mesh: node numbers in the file, ascending
@@ -94,6 +97,9 @@ module mesh
   !> A model is far from zero if the distance of its centre from zero exceeds its extent by this
   !! factor.
   real(wp), parameter :: FAR_AWAY = 100.0_wp
+
+  !> Bit of body%mask: the node lies on faces of the body, but none of them bounds it.
+  integer, parameter :: INSIDE = 6
 
 contains
 
@@ -179,6 +185,33 @@ contains
     if (.not. allocated(mesh%body)) allocate (mesh%body(0))
     mesh%body = [mesh%body, body]
   end subroutine append_body
+
+  !> List all faces of a body except those inside it.
+  pure subroutine body_boundary(mesh, b, block, elem, side)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: b               !! index of the body
+    integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
+    logical, allocatable :: bounds(:)
+    integer :: f
+
+    allocate (block(0), elem(0), side(0))
+    do f = 1, 6
+      associate (face => mesh%body(b)%face(f))
+        block = [block, face%block]
+        elem = [elem, face%elem]
+        side = [side, face%side]
+      end associate
+    end do
+    allocate (bounds(size(elem)), source=.true.)
+    do f = 1, size(elem)
+      associate (list => mesh%block(block(f)))
+        if (allocated(list%inner)) bounds(f) = .not. list%inner(side(f), elem(f))
+      end associate
+    end do
+    block = pack(block, bounds)
+    elem = pack(elem, bounds)
+    side = pack(side, bounds)
+  end subroutine body_boundary
 
   !> Does the block belong to a rigid body, whose elements have no unknowns?
   elemental logical function is_rigid(block)
