@@ -55,7 +55,9 @@ contains
     if (run%program%dry .or. .not. run%plan%prints) return
     call open_tables(run, error)
     if (allocated(error)) return
-    if (run%step%open .and. run%step%solved) then ! after a solve, reactions are outdated
+    if (command%record%key(1) == 'reac') call warn_changed_loads(run, command)
+    if (run%step%open .and. run%step%solved .and. command%record%key(1) /= 'disp') then
+      ! After a solve, forces and stresses are outdated.
       call form_system(run%step%newton, run%model, run%state, run%step%newton%symmetric, pass, &
                        error)
       if (allocated(error)) return
@@ -64,6 +66,19 @@ contains
     call agree(error)
     if (.not. (allocated(error) .or. run%step%open)) call keep_tables(run)
   end subroutine run_print
+
+  !> Warn if reactions are printed after RESTart and before the first solve, but the loads are not
+  !! those of the checkpoint.
+  subroutine warn_changed_loads(run, command)
+    type(run_t), intent(in) :: run
+    type(command_t), intent(in) :: command
+
+    if (.not. run%plan%loads_changed .or. run%step%open) return
+    if (run%state%step /= run%plan%restarted_at) return
+    call warn('REACtion prints the forces of the checkpoint with the loads of this deck, which ' &
+              //'differ from those of the checkpoint', command%record%place(1), &
+              'solve a step before REACtion')
+  end subroutine warn_changed_loads
 
   subroutine write_table(run, command, first, last, step, error)
     type(run_t), intent(in) :: run

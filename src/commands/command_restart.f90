@@ -12,10 +12,12 @@ module command_restart
   use command_type, only: run_t, command_t, command_row_t, new_row
   use deck_record, only: resolve_path
   use contact_augment, only: is_augmented
+  use continuation_type, only: BY_ARC, BY_RELEASE
   use contact_report, only: renew_warnings
   use dynamics_type, only: dynamics_t, new_dynamics
   use load_curve, only: load_table_t
   use model, only: state_t
+  use model_hash, only: LOAD_PART, PART
   use named_values, only: named_values_t, get
   use program_version, only: VERSION
   use restart_file, only: fingerprint_t, make_fingerprint, read_checkpoint
@@ -88,12 +90,15 @@ contains
     if (allocated(error)) return
     call move_alloc(table, run%state%table)
     call keep_integration(run, command, dynamics)
+    call warn_path(command, values)
     call keep_multipliers(run)
     call set_factors(run%state)
     associate (control => run%step%control)
       if (control%dt > 0) call set_dt(control, run%state%time, control%dt)
     end associate
     run%files%kept = run%state%step
+    run%plan%restarted_at = run%state%step
+    run%plan%loads_changed = index(changed, trim(PART(LOAD_PART))) > 0
     run%files%checkpoint = path_of(run, command)
     call keep_printed(run, command, values)
     call recall_fields(run, values)
@@ -119,7 +124,7 @@ contains
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
     type(dynamics_t), intent(in) :: deck !! dynamics before the checkpoint was read
-    logical :: stops
+    logical :: lumped, stops
     integer :: i
 
     associate (dynamics => run%state%dynamics)
@@ -130,6 +135,7 @@ contains
       end if
       dynamics%on = deck%on
       if (deck%on .or. .not. stops) dynamics%method = deck%method ! otherwise a TRANsient follows
+      lumped = dynamics%lumped .and. .not. deck%lumped
       dynamics%lumped = deck%lumped
       dynamics%beta = deck%beta
       dynamics%gamma = deck%gamma
@@ -138,13 +144,36 @@ contains
       dynamics%continues = stops
     end associate
     associate (list => run%program%command)
+      lumped = lumped .and. stops .and. .not. any([(list(i)%record%key(1) == 'mass', &
+                                                    i=1, size(list))])
       stops = stops .and. .not. any([(list(i)%record%key(1) == 'tran', i=1, size(list))])
     end associate
+    if (lumped .and. .not. stops) then
+      call warn('the motion of the checkpoint had lumped masses, but this deck has no MASS, so ' &
+                //'they are consistent now', command%record%place(1), 'put MASS,LUMPed among the ' &
+                //'commands')
+    end if
     if (stops) call warn('the checkpoint contains a motion with inertia, but this deck has no ' &
                          //'TRANsient, so the run continues without inertia', &
                          command%record%place(1), 'put TRANsient among the commands to continue ' &
                          //'the motion, or TRANsient,OFF to end it')
   end subroutine keep_integration
+
+  !> Warn if the run of the checkpoint did not control the loads by time: its state need not be
+  !! stable under load control, with which this deck goes on.
+  subroutine warn_path(command, values)
+    type(command_t), intent(in) :: command
+    type(named_values_t), intent(in) :: values
+    integer :: active
+    logical :: there
+
+    call get(values, 'path_active', active, there)
+    if (.not. there) return
+    if (all(active /= [BY_ARC, BY_RELEASE])) return
+    call warn('the checkpoint lies on a path of ARCLength, but the first step after RESTart is ' &
+              //'under load control and may jump to a distant state', command%record%place(1), &
+              'continue the deck that wrote the checkpoint with bezel --restart')
+  end subroutine warn_path
 
   !> Keep the printed tables up to the checkpoint. Only the checkpoint under the name of this run
   !! knows the length of its file of tables; with any other one the whole file remains.

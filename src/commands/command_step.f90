@@ -3,7 +3,9 @@
 module command_step
   use base_agreement, only: agree
   use base_error, only: error_t
+  use base_kinds, only: wp
   use base_log, only: warn
+  use base_text, only: to_text
   use command_checkpoint, only: write_checkpoint, set_restart_point
   use command_files, only: open_files, write_rows, write_fields, keep_tables, cut_tables
   use command_type, only: run_t
@@ -13,6 +15,7 @@ module command_step
   use program_position, only: save_position, rewind_program, leave_loop, current_place
   use step, only: begin_step, close_step, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   use step_control, only: on_target
+  use table_use, only: warn_continued
   implicit none
   private
   public :: open_step_here, take_outcome, finish_step, finish_solved_step
@@ -55,10 +58,15 @@ contains
     type(run_t), intent(inout) :: run
     logical, intent(out) :: rewound
     type(error_t), allocatable, intent(out) :: error
+    real(wp), allocatable :: before(:) ! load factors of the checkpoint, in the first step after it
     integer :: outcome
-    logical :: timed, short
+    logical :: formed, timed, short
 
     timed = run%step%open .and. run%step%timed
+    formed = .not. (run%step%solved .or. run%step%newton%begins)
+    if (run%state%step == run%plan%restarted_at + 1 .and. allocated(run%state%factor_step)) then
+      before = run%state%factor_step
+    end if
     call close_step(run%step, run%model, run%state, current_place(run%program), outcome, error)
     rewound = outcome == STEP_REWOUND
     if (allocated(error)) return
@@ -71,17 +79,30 @@ contains
     if (short) call rewind_program(run%program, run%deck%params, run%plan%prints)
     if (outcome == STEP_ACCEPTED) then
       call watch_step(run)
+      if (allocated(before)) call warn_continued(run, before)
       run%plan%closed_at = run%state%time
       call run%timers%start('output')
       call write_step(run, error)
       call run%timers%stop('output')
     else
+      if (timed .and. formed) call warn_unsolved(run)
       call write_unsolved(run, timed, error)
     end if
     if (allocated(error)) return
     if (short) run%program%counter = run%program%counter - 1 ! the main loop adds one
     rewound = short
   end subroutine finish_step
+
+  !> Warn once about a step, other than the last one, whose system was formed but not solved.
+  subroutine warn_unsolved(run)
+    type(run_t), intent(inout) :: run
+
+    if (run%plan%unsolved_warned .or. run%program%counter > size(run%program%command)) return
+    run%plan%unsolved_warned = .true.
+    call warn('the step at time '//to_text(run%state%time)//' was not solved, so it has no ' &
+              //'results', current_place(run%program), &
+              'TANG,,1 and UTAN,,1 solve; TANG, UTAN and FORM alone only form the system')
+  end subroutine warn_unsolved
 
   !> Write what PLOT and SAVE have requested in a step in which nothing was solved: its state is
   !! that of the step before. If time has passed, there is no result of the new time.

@@ -102,6 +102,9 @@ module command_type
     logical :: turn_warned = .false., strain_warned = .false., inverted_warned = .false.
     real(wp), allocatable :: closed_at          !! end of the last step, or start of the first
     logical :: idle_warned = .false.            !! see write_unsolved of command_step
+    logical :: unsolved_warned = .false.        !! see warn_unsolved of command_step
+    integer :: restarted_at = -1                !! step of the checkpoint of RESTart; -1: none
+    logical :: loads_changed = .false.          !! since the run that wrote this checkpoint
     logical :: corner_warned = .false.          !! see table_use, as for `acted` and `ended`
     logical, allocatable :: rubbed(:)           !! (ncontact) friction acted in some step
     !> (2, ntable) closed steps and iterations when PROP last defined the table; -1: it has not.

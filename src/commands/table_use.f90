@@ -11,7 +11,7 @@ module table_use
   implicit none
   private
   public :: use_t, find_uses, warn_tables, watch_tables, warn_jump, note_definition, &
-            watch_tables_end
+            watch_tables_end, warn_continued
 
   !> The first load or motion, nonzero if there is such a one, that follows a table.
   type :: use_t
@@ -153,6 +153,43 @@ contains
               //': its factor changes from '//to_text(before)//' to '//to_text(after), place, &
               'let the new table begin with the current factor, or use one table for all steps')
   end subroutine warn_jump
+
+  !> Warn, after the first step that follows RESTart, if the loads have jumped in it because the
+  !! tables of this deck do not continue those of the checkpoint. The plan still has the time at
+  !! which this step began.
+  subroutine warn_continued(run, before)
+    type(run_t), intent(in) :: run
+    real(wp), intent(in) :: before(:)      !! factors of the tables of the checkpoint
+    type(use_t), allocatable :: uses(:)
+    real(wp) :: now(size(run%state%table)), old, new
+    type(place_t) :: place
+    character(:), allocatable :: name
+    integer :: i, u
+
+    associate (time => run%plan%closed_at, table => run%state%table)
+      now = [(table_factor(table(i), time), i=1, size(table))]
+      call find_uses(run%model%bc, uses)
+      do u = 1, size(uses)
+        if (.not. uses(u)%acts .or. uses(u)%table > max(1, size(before))) cycle
+        old = load_factor(before, uses(u)%table)
+        new = load_factor(now, uses(u)%table)
+        if (abs(new - old) <= 1.0e-9_wp*max(abs(new), abs(old))) cycle
+        name = 'the factor of load table '//to_text(uses(u)%table)
+        if (uses(u)%table == 0) name = 'the sum of the factors of all load tables'
+        if (size(table) == 0) name = 'the load factor without PROP'
+        do i = 1, size(run%program%command)
+          associate (record => run%program%command(i)%record)
+            if (record%key(1) == 'rest') place = record%place(1)
+          end associate
+        end do
+        call warn('the loads jump in the first step after RESTart: at time '//to_text(time)//', ' &
+                  //name//' is '//to_text(new)//', but was '//to_text(old)//' in the checkpoint', &
+                  place, 'a checkpoint contains no load tables: give PROP with a table that ' &
+                  //'continues at this time')
+        return
+      end do
+    end associate
+  end subroutine warn_continued
 
   !> Note that PROP defines tables now.
   subroutine note_definition(run, first, last)

@@ -173,7 +173,7 @@ contains
 
     call hash%add([merge(1, 0, given%given)])
     if (.not. given%given) return
-    call hash%add(trim(given%law%name))
+    call hash%add(trim(given%law%name)//' '//trim(given%law%option))
     call constants%add([given%prop, given%tau])
   end subroutine add_law
 

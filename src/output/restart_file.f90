@@ -24,7 +24,7 @@ module restart_file
   public :: fingerprint_t, make_fingerprint, write_checkpoint, read_checkpoint
 
   !> This number is increased when the names or the meaning of the stored values change.
-  integer, parameter :: FORMAT = 25
+  integer, parameter :: FORMAT = 26
   character(*), parameter :: SEAL_MARK = new_line('a')//'bezel checksum '
 
   !> The version, deck and model to which a checkpoint belongs.

@@ -194,6 +194,94 @@ class Restart(Folder):
         for found, wanted in zip(end["next"], end["whole"], strict=True):
             self.assertAlmostEqual(found, wanted, 12)
 
+    def moving(self, *changes):
+        """The deck with a density and a pressure, which a motion needs, and these changes."""
+        text = self.deck.replace("VOLUme 3", "VOLUme 3\n    DENSity 1")
+        text = text.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 10 PROP 1")
+        text = text.replace("a 3- 3", "a 3- 3\n  DISP a 3+ 3\n  BOOK KINEtic")
+        for before, after in changes:
+            text = text.replace(before, after)
+        return text
+
+    def last_row(self, name, text):
+        """Run this deck; return the last three values of its curve and what the run says."""
+        (self.at / f"{name}.inp").write_text(text)
+        done = self.run_bezel(f"{name}.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        row = (self.at / f"{name}_force.dat").read_text().splitlines()[-1].split()
+        return [float(word) for word in row[-3:]], done.stderr
+
+    def test_a_motion_that_was_turned_off_begins_from_rest(self):
+        """TRANsient,OFF after RESTart ends the motion of the checkpoint, as it does in one deck."""
+        scheme = "  TRANsient,NEWMark\n"
+        text = self.moving(("time,10", "time,4"))
+        first = text.replace("BATCh\n", f"BATCh\n{scheme}")
+        batch = text.split("BATCh\n")[1]
+        loop = batch[batch.index("  LOOP,time") : batch.index("END")]
+        again = f"  TRANsient,OFF\n{scheme}{loop}"
+        self.last_row("box", first)
+        whole, _ = self.last_row("whole", first.replace(loop, loop + again))
+        self.assertGreater(whole[2], 0.0)
+        for before in ("", scheme):
+            start = f"BATCh\n{before}  RESTart,box.restart.h5\n"
+            row, _ = self.last_row("next", text.replace(loop, again).replace("BATCh\n", start))
+            for found, wanted in zip(row, whole, strict=True):
+                self.assertAlmostEqual(found, wanted, 9)
+
+    def test_lumped_masses_that_are_left_out_are_noticed(self):
+        word = "BATCh\n  TRANsient,NEWMark\n"
+        self.last_row("box", self.moving(("BATCh\n", word + "  MASS,LUMPed\n")))
+        for mass, warns in (("", True), ("  MASS,LUMPed\n", False)):
+            restart = f"BATCh\n  RESTart,box.restart.h5\n  TRANsient,NEWMark\n{mass}"
+            _, said = self.last_row("next", self.moving(("BATCh\n", restart)))
+            self.assertEqual("had lumped masses" in said, warns)
+
+    def test_loads_that_jump_after_the_checkpoint_are_noticed(self):
+        """The first run ends at t = 1 with the factor 0.5; a checkpoint contains no tables."""
+        alone = self.deck.replace("  PROP,,1\n", "")
+        alone = alone[: alone.index("2 1\n0 0")] + "STOP\n"
+        for settings, text, warns in (
+            (("ends=0.5",), self.deck, False),
+            (("ends=1",), self.deck, True),
+            ((), alone, True),
+        ):
+            done = self.continued(*settings, text=text)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(
+                "jump in the first step after RESTart" in done.stderr, warns, done.stderr
+            )
+
+    def test_reactions_with_other_loads_before_the_first_solve_are_noticed(self):
+        self.last_row("box", self.moving())
+        for load, warns in (("10 PROP", False), ("20 PROP", True)):
+            word = "BATCh\n  RESTart,box.restart.h5\n  REACtion,ALL\n"
+            _, said = self.last_row("next", self.moving(("BATCh\n", word), ("10 PROP", load)))
+            self.assertEqual("forces of the checkpoint with the loads" in said, warns)
+
+    def test_a_checkpoint_on_an_arc_is_noticed(self):
+        deck = (TOP / "input/manual/arcl_length.inp").read_text()
+        (self.at / "arc.inp").write_text(deck)
+        stopped = self.run_bezel("arc.inp", env={**os.environ, "BEZEL_STOP": "150"})
+        self.assertEqual(stopped.returncode, 4, stopped.stderr)
+        (self.at / "next.inp").write_text(
+            deck.replace("BATCh\n", "BATCh\n  RESTart,arc.restart.h5\n")
+        )
+        done = self.run_bezel("next.inp")
+        self.assertIn("the checkpoint lies on a path of ARCLength", done.stderr)
+
+    def test_another_cohesive_law_is_another_model(self):
+        base = "PATCh,base\n  BOX 0 0 -1  1 1 lz\n  ELEMents 1 1 1\n  TYPE RIGId\n\n"
+        glue = "CONTact,c\n  SURFaces a 3- base 3+\n  COHEsive EXPOnential 2 0.01\n\nCURVe"
+        text = self.deck.replace("PATCh,a", base + "PATCh,a").replace("FIX,a,3- 1 1 1\n", "")
+        text = text.replace("CURVe", glue, 1).replace("a 3- 3", "a 3+ 3")
+        (self.at / "box.inp").write_text(text)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        done = self.continued(text=text)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        (self.at / "next.log").unlink()
+        other = text.replace("2 0.01", "2 0.01 IRREversible")
+        self.refused(self.continued(text=other), "contact")
+
     def test_another_mesh_file_is_refused(self):
         mesh = self.at / "mesh.inc"
         mesh.write_text("  BOX 0 0 0  1 1 lz\n")
