@@ -5,7 +5,7 @@ module command_loop
   use command_step, only: take_outcome, finish_step
   use command_type, only: run_t, command_t, command_row_t, loop_t, new_row
   use program_position, only: has_data, may_pass_targets
-  use step, only: cut_step, STEP_REWOUND
+  use step, only: cut_step, test_again, STEP_REWOUND
   use step_control, only: on_target
   implicit none
   private
@@ -42,7 +42,7 @@ contains
   !> End a pass of a loop. With automatic step sizes, a loop over time counts targets instead of
   !! steps: the pass goes on at its last TIME if the step ended before its target, and as many
   !! passes are counted as there are targets if it passed several. A step with automatic size is cut
-  !! back if its Newton loop ends without convergence.
+  !! back if its Newton loop ends without convergence, which the last solve may have reached.
   subroutine run_next(run, command, error)
     type(run_t), intent(inout) :: run
     type(command_t), intent(in) :: command
@@ -77,6 +77,8 @@ contains
       if (has_data(program, command%matching)) return
     end associate
     if (.not. run%step%solved .or. run%step%newton%converged) return
+    call test_again(run%step, run%model, run%state, error)
+    if (allocated(error) .or. run%step%newton%converged) return
     call cut_step(run%step, run%model, run%state, 'no convergence after ' &
                   //to_text(run%step%newton%iterations)//' iterations', &
                   command%record%place(1), error)

@@ -43,7 +43,7 @@ module step
   private
   public :: step_t, STEP_IDLE, STEP_GOES_ON, STEP_CONVERGED, STEP_ACCEPTED, STEP_REWOUND
   public :: change_dt, begin_step, form_pass, solve_pass, cut_step, begin_again, return_to_load, &
-            abandon_step, close_step
+            abandon_step, close_step, test_again
 
   !> A body counts as lost if its displacement in a step is larger than this, relative to the size
   !! of the model plus the largest prescribed displacement.
@@ -505,6 +505,18 @@ contains
     step%solved = .false.
     outcome = STEP_ACCEPTED
   end subroutine close_step
+
+  !> Test whether the last solve of a step has reached convergence, as closing the step would.
+  subroutine test_again(step, model, state, error)
+    type(step_t), intent(inout) :: step
+    type(model_t), intent(in) :: model
+    type(state_t), intent(inout) :: state
+    type(error_t), allocatable, intent(out) :: error
+    type(pass_t) :: pass
+
+    call close_newton(step%newton, model, state, pass, error)
+    if (.not. pass%ok) step%newton%converged = .false.
+  end subroutine test_again
 
   !> Warn once if a TIME without a solve passes in a model whose forces depend on the length of the
   !! step. The state does not change, so that motions and bonds go on as if no time had passed.

@@ -72,7 +72,7 @@ contains
     real(wp), intent(in), optional :: corner !! corner of a load table; absent: there is none
     real(wp), intent(in), optional :: extremum !! of a sine of a load table; absent: there is none
     real(wp) :: to, gap
-    integer :: nstep
+    real(wp) :: nstep ! in very short steps, more than the largest integer
 
     control%from = time
     control%passed = 1
@@ -90,8 +90,9 @@ contains
     if (present(corner)) call end_at_corner(control, corner, to)
     gap = to - time
     if (control%automatic) then
-      nstep = ceiling((gap*(1 - epsilon(1.0_wp)*64) - 4*spacing(to))/control%size) ! with rounding
-      if (nstep > 1) then
+      nstep = (gap*(1 - epsilon(1.0_wp)*64) - 4*spacing(to))/control%size ! with rounding
+      if (nstep > 1.0_wp) then
+        if (aint(nstep) < nstep) nstep = aint(nstep) + 1.0_wp
         to = time + gap/nstep
         control%passed = 0
       end if
