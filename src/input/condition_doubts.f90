@@ -58,11 +58,17 @@ contains
     integer, intent(in) :: new(:) !! (nnode)
     type(boundary_t), intent(in) :: bc
     integer, allocatable :: giver(:, :) ! (3, nnode) the last EDIS that gives a value; 0: none
+    integer, parameter :: BY_NUMBER = -1 ! instead: DISPlacement gives a value
     logical, allocatable :: active(:), on(:)
     integer :: d, i, j, n
 
     call mark_active(draft, mesh, active)
     allocate (giver(3, mesh%nnode), source=0)
+    if (allocated(draft%nodes%value)) then
+      do n = 1, min(size(new), size(draft%nodes%value, 2))
+        where (abs(draft%nodes%value(:, n)) > 0.0_wp) giver(:, new(n)) = BY_NUMBER
+      end do
+    end if
     do i = 1, draft%ncondition
       associate (r => draft%condition(i))
         if (r%word /= R_EDIS) cycle
@@ -76,6 +82,12 @@ contains
             j = giver(d, n)
             giver(d, n) = i
             if (j == 0) cycle
+            if (j == BY_NUMBER) then
+              call warn('this EDISplacement adds its values to those of DISPlacement, such as at ' &
+                        //'node '//to_text(n)//' in direction '//to_text(d), r%place, &
+                        'if the sum is not intended, write SET, which replaces all three values')
+              return
+            end if
             associate (s => draft%condition(j)) ! records of one plane cause another warning
               if (r%direction == s%direction .and. abs(r%at(1) - s%at(1)) <= 0.0_wp) cycle
               call warn('this EDISplacement adds its values to those in line ' &

@@ -54,6 +54,7 @@ contains
     logical, allocatable :: active(:)
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
+    real(wp), allocatable :: others(:, :) ! (3, nnode) conditions before the records of a word
     logical :: may_lose, said(R_CSUR) ! one warning per word
     integer :: word, i, n
 
@@ -85,6 +86,7 @@ contains
     value = bc%value
     said = .false.
     do word = R_EBOU, R_CSUR
+      call get_condition(bc, kind_of(word), others)
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
         may_lose = .false.
@@ -95,6 +97,9 @@ contains
           call draft%errors%add(error)
         else if (may_lose) then
           call warn_replaced(draft, i, mesh, active, new, bc, before, said(word))
+        end if
+        if (.not. (said(word) .or. allocated(error))) then
+          call warn_default(draft%condition(i), mesh, active, new, bc, others, said(word))
         end if
       end do
     end do
@@ -225,6 +230,7 @@ contains
         if (.not. (takes_all_near(r%word) .and. r%gap >= 0.0_wp)) then
           call warn_between(mesh, near, takes_all_near(r%word), r%place)
         end if
+        if (.not. takes_all_near(r%word)) call warn_untied_point(mesh, near, new, r)
       else
         plane%direction = r%direction
         plane%gap = plane_gap(mesh, r, active)
@@ -288,6 +294,26 @@ contains
                                      //'of its nodes', r%place, 'remove unwanted restraints of ' &
                                      //'these nodes from the other records')
   end subroutine apply
+
+  !> Warn if nodes of several bodies that nothing joins lie at the point of a word that acts on one
+  !! node.
+  subroutine warn_untied_point(mesh, near, new, r)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: near(:)         !! (nnode) nodes equally near to the point
+    integer, intent(in) :: new(:)          !! (nnode)
+    type(condition_entry_t), intent(in) :: r
+    integer, allocatable :: node(:)
+
+    allocate (node, source=unique(pack(new, near)))
+    if (size(node) < 2) return
+    associate (x => mesh%xr(:, node))
+      if (any(maxval(x, 2) > minval(x, 2))) return
+    end associate
+    call warn(to_text(size(node))//' nodes, which nothing joins, lie at this point; ' &
+              //trim(WORDS(r%word))//' acts on the first of them, node '//to_text(node(1)), &
+              r%place, 'join them with TIE, or give a node by its number with ' &
+              //trim(NODAL_WORDS(kind_of(r%word))))
+  end subroutine warn_untied_point
 
   !> Does a word act on all nodes that are equally near to a point, or within GAP of the nearest
   !! one? The other words act on one node.
@@ -418,6 +444,37 @@ contains
                 //word//', regardless of their order in the deck', r%place, hint)
     end associate
   end subroutine warn_replaced
+
+  !> Warn if a record without SET or ADD, which means SET, has replaced what other words give.
+  subroutine warn_default(r, mesh, active, new, bc, others, found)
+    type(condition_entry_t), intent(in) :: r
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(in) :: active(:)
+    integer, intent(in) :: new(:)          !! (nnode)
+    type(boundary_t), intent(in) :: bc
+    real(wp), intent(in) :: others(:, :)   !! (3, nnode) values that the other words give
+    logical, intent(out) :: found
+    character(:), allocatable :: word
+    real(wp), allocatable :: now(:, :)
+    logical, allocatable :: lost(:, :), on(:)
+    integer :: kind
+
+    found = .false.
+    kind = kind_of(r%word)
+    if (r%adds .or. r%sets .or. kind == C_TABLE .or. allocated(r%surface)) return
+    call get_condition(bc, kind, now)
+    call mark(mesh, r, active, on)
+    on(pack(new, on)) = .true.
+    allocate (lost, source=abs(others) > 0.0_wp .and. spread(on, 1, 3))
+    if (kind == C_FIXED) lost = lost .and. .not. abs(now) > 0.0_wp
+    if (kind == C_VALUE) lost = lost .and. abs(others - now) > 0.0_wp
+    found = any(lost)
+    if (.not. found) return
+    word = trim(WORDS(r%word))
+    call warn(word//' replaces the '//trim(VALUES(kind))//' that other records give to node ' &
+              //to_text(findloc(any(lost, 1), .true., 1)), r%place, &
+              'write '//word//',ADD to keep both, or '//word//',SET if this is meant')
+  end subroutine warn_default
 
   !> Warn about records of EPRO that give load numbers to no force and no displacement.
   subroutine warn_idle_numbers(draft, mesh, active, new, bc)
