@@ -12,6 +12,7 @@ module command_solve
   use linear_system, only: FULL, REUSE, SINGLE, LOWRANK, AUTO
   use model, only: model_t
   use newton, only: set_factorisation
+  use program_position, only: iterates
   use step, only: form_pass, solve_pass, STEP_GOES_ON
   implicit none
   private
@@ -120,11 +121,12 @@ contains
     outcome = STEP_GOES_ON
     if (forms) then
       if (.not. run%step%open) call open_step_here(run)
-      if (symmetric .and. command%record%key(1) == 'tang' .and. is_unsymmetric(run%model)) then
+      if (symmetric .and. is_unsymmetric(run%model)) then
         run%step%newton%exact = .false.
         if (.not. run%program%noted(command%row)) then
           run%program%noted(command%row) = .true.
-          call log_line('note: TANG uses the symmetric part of the tangent, UTAN all of it')
+          call log_line('note: '//command%record%text(1)//' uses the symmetric part of the ' &
+                        //'tangent, UTAN all of it')
         end if
       end if
       call form_pass(run%step, run%model, run%state, symmetric, command%record%place(1), outcome, &
@@ -162,7 +164,7 @@ contains
 
     is_alone = size(program%loop) == 0
     if (is_alone) return
-    is_alone = program%command(program%loop(size(program%loop))%at)%spans_time
+    is_alone = .not. iterates(program, program%loop(size(program%loop))%at)
   end function is_alone
 
   !> Show an iteration: a line in the log, and on a terminal a line that the next one overwrites.

@@ -33,6 +33,7 @@ module contact_report
   real(wp), parameter :: HALF = 0.5_wp        !! elastic slip, relative to the motion
   real(wp), parameter :: ROUNDING = 1.0e-6_wp !! elastic slip that may be rounding, per element size
   real(wp), parameter :: SOFT = 0.2_wp        !! energy of penetration, relative to the work
+  real(wp), parameter :: MUCH_MORE = 1.5_wp   !! energy of penetration, relative to an earlier one
   real(wp), parameter :: MOST = 0.5_wp        !! fraction of the bonds that break in one step
   real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible fraction of the largest force so far
 
@@ -237,13 +238,15 @@ contains
     end do
   end subroutine renew_warnings
 
-  !> Keep the largest energy of penetration so far, and its fraction of the work of supports and
-  !! loads at that time. Bonds may do work too, if they have a gap at the start, so their energies
-  !! are added to this work. Models with inertia are left out, because inertia does work.
+  !> Keep the energy of penetration, where it is largest so far, and its fraction of the work of
+  !! supports and loads at that time. Work of friction makes this fraction smaller, so that a larger
+  !! one remains until the energy has risen by half. Bonds may do work too, if they have a gap at
+  !! the start, so their energies are added to this work. Models with inertia are left out, because
+  !! inertia does work.
   pure subroutine follow_penetration(model, state)
     type(model_t), intent(in) :: model
     type(state_t), intent(inout) :: state
-    real(wp) :: stored, bonds
+    real(wp) :: stored, bonds, share
     integer :: c
 
     if (size(model%contact) == 0 .or. state%dynamics%on) return
@@ -251,8 +254,11 @@ contains
     bonds = sum([(sum(bond_energy(model%contact(c), state%contact(c))), c=1, size(model%contact))])
     associate (energy => state%energy)
       if (stored <= energy%penetration .or. .not. energy%outer > 0.0_wp) return
+      share = stored/(energy%outer + max(0.0_wp, bonds))
+      if (share < energy%penetration_share .and. energy%penetration_share <= WITHOUT_WORK .and. &
+          stored <= MUCH_MORE*energy%penetration) return
       energy%penetration = stored
-      energy%penetration_share = stored/(energy%outer + max(0.0_wp, bonds))
+      energy%penetration_share = share
     end associate
   end subroutine follow_penetration
 

@@ -1,11 +1,11 @@
-!> Outer faces of all elements. The outer faces of bodies are already known. For elements that
-!! belong to no body (BLOCk, ELEMents), a face is an outer face unless another one of these elements
-!! has a face with the same corners.
+!> Outer faces of all elements. The outer faces of bodies are already known, except those between
+!! two materials of one MESH. For elements that belong to no body (BLOCk, ELEMents), a face is an
+!! outer face unless another one of these elements has a face with the same corners.
 module mesh_boundary
   use base_kinds, only: i8
   use base_sort, only: hash, sort_index, unique
   use element_type, only: cell_t, topology_t
-  use mesh, only: mesh_t, block_cell, body_boundary
+  use mesh, only: mesh_t, block_cell, body_boundary, is_rigid
   implicit none
   private
   public :: find_outer_faces
@@ -22,17 +22,24 @@ contains
     integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
     integer(i8), allocatable :: key(:)
     integer, allocatable :: order(:), node(:), own_block(:), own_elem(:), own_side(:)
-    logical, allocatable :: outer(:)
+    logical, allocatable :: outer(:), searched(:) ! (nbody) the body consists of several materials
     type(topology_t) :: topology
     type(cell_t) :: cell
     integer :: b, e, f, i, j, n
 
-    n = 6*sum([(mesh%block(b)%nelem, b=1, size(mesh%block))], mesh%block%body == 0)
+    allocate (searched(size(mesh%body)), source=.false.)
+    if (present(by_material)) then
+      if (by_material) call find_mixed(mesh, searched)
+    end if
+    n = 6*sum([(mesh%block(b)%nelem, b=1, size(mesh%block))])
     allocate (block(n), elem(n), side(n), corner(MOST, n), key(n))
     n = 0
     do b = 1, size(mesh%block)
       associate (set => mesh%block(b))
-        if (set%body > 0 .or. set%nelem == 0) cycle
+        if (set%nelem == 0) cycle
+        if (set%body > 0) then
+          if (.not. searched(set%body)) cycle
+        end if
         call block_cell(set, 1, cell)
         call set%row%topology(cell, topology)
         do e = 1, set%nelem
@@ -53,7 +60,7 @@ contains
       end associate
     end do
     allocate (order(n), outer(n))
-    outer = .true.
+    outer = mesh%block(block(:n))%body == 0
     call sort_index(key(:n), order)
     do i = 2, n
       do j = i - 1, 1, -1
@@ -61,7 +68,10 @@ contains
         if (any(corner(:, order(j)) /= corner(:, order(i)))) cycle
         if (present(by_material)) then
           if (by_material .and. mesh%block(block(order(i)))%material &
-              /= mesh%block(block(order(j)))%material) cycle
+              /= mesh%block(block(order(j)))%material) then
+            outer(order([i, j])) = .true.
+            cycle
+          end if
         end if
         outer(order([i, j])) = .false.
       end do
@@ -76,5 +86,19 @@ contains
       side = [side, own_side]
     end do
   end subroutine find_outer_faces
+
+  !> Mark the bodies that consist of several materials.
+  pure subroutine find_mixed(mesh, mixed)
+    type(mesh_t), intent(in) :: mesh
+    logical, intent(out) :: mixed(:) !! (nbody)
+    integer :: b
+
+    do b = 1, size(mixed)
+      associate (material => pack(mesh%block%material, mesh%block%body == b &
+                                  .and. .not. is_rigid(mesh%block)))
+        mixed(b) = any(material /= material(1))
+      end associate
+    end do
+  end subroutine find_mixed
 
 end module mesh_boundary

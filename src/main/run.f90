@@ -85,7 +85,7 @@ contains
       if (job%program%counter <= size(job%program%command)) then
         call execute_next(job, error)
       else
-        unsolved = job%step%open .and. .not. job%step%solved
+        unsolved = job%step%open .and. job%step%timed .and. .not. job%step%solved
         call finish_step(job, rewound, error)
         if (.not. (allocated(error) .or. rewound)) exit
       end if

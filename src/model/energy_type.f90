@@ -15,7 +15,7 @@ module energy_type
     real(wp) :: inertia = 0.0_wp      !! work against inertia, partly dissipated numerically [F L]
     real(wp) :: kinetic = 0.0_wp      !! current kinetic energy [F L]
     real(wp) :: contact = 0.0_wp      !! work against the contact forces [F L]
-    real(wp) :: penetration = 0.0_wp  !! largest energy stored in penetration so far [F L]
+    real(wp) :: penetration = 0.0_wp  !! energy stored in penetration, see follow_penetration [F L]
     real(wp) :: penetration_share = 0.0_wp !! ratio of `penetration` to `outer` at that time [-]
     logical :: moving = .false.       !! the last step was one with inertia (energy_growth)
     !> Excess of the energies of bodies, contacts and motion over the work done by loads and
