@@ -474,7 +474,7 @@ class Stops(Folder):
 
     def test_between_a_new_dt_and_the_end_of_the_step_before_it(self):
         """The new DT has no influence on the step that is open when it is given."""
-        self.stopped(TOP / "verification/trouble/silent/auto_dt_in_loop.inp", 57, 68)
+        self.stopped(TOP / "verification/trouble/silent/auto_dt_in_loop.inp", *range(41, 71))
 
     def test_warnings_given_before_the_stop_are_in_the_report(self):
         """Each warning is there once, even the one about the work taken by penetration, which is
