@@ -55,7 +55,7 @@ contains
     type(error_t), allocatable :: error
     real(wp), allocatable :: before(:, :), force(:, :), value(:, :)
     real(wp), allocatable :: others(:, :) ! (3, nnode) conditions before the records of a word
-    logical :: may_lose, said(R_CSUR) ! one warning per word
+    logical :: may_lose, replaces, said(R_CSUR) ! one warning per word
     integer :: word, i, n
 
     allocate (bc%fixed(3, mesh%nnode), bc%table(3, mesh%nnode), source=0)
@@ -87,6 +87,7 @@ contains
     said = .false.
     do word = R_EBOU, R_CSUR
       call get_condition(bc, kind_of(word), others)
+      replaces = any(abs(others) > 0.0_wp)
       do i = 1, draft%ncondition
         if (draft%condition(i)%word /= word) cycle
         may_lose = .false.
@@ -98,7 +99,7 @@ contains
         else if (may_lose) then
           call warn_replaced(draft, i, mesh, active, new, bc, before, said(word))
         end if
-        if (.not. (said(word) .or. allocated(error))) then
+        if (replaces .and. .not. (said(word) .or. allocated(error))) then
           call warn_default(draft%condition(i), mesh, active, new, bc, others, said(word))
         end if
       end do
