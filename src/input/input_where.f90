@@ -8,7 +8,7 @@ module input_where
   use deck_record, only: record_t, get_word
   use deck_stream, only: deck_t, get_integer, get_real
   use input_plane, only: plane_t, warn_plane
-  use mesh, only: mesh_t, body_t, body_boundary, mark_rigid, INSIDE
+  use mesh, only: mesh_t, body_t, body_boundary, body_faces, mark_rigid, ALL_FACES, INSIDE
   implicit none
   private
   public :: where_t, read_where, read_face, find_nodes, find_faces, body_index, unknown_face
@@ -16,8 +16,6 @@ module input_where
 
   integer, parameter, public :: W_FACES = 1, W_EDGE = 2, W_NODE = 3, W_POINT = 4, W_PLANE = 5, &
                                 W_GROUP = 6
-
-  integer, parameter :: ALL_FACES = 63 !! mask of ALL
 
   character(*), parameter :: FACE_HINT = 'faces are 1- 1+ 2- 2+ 3- 3+ SIDEs ALL; an edge is ' &
                              //'given by its two faces: 1-,3+'
@@ -441,7 +439,7 @@ contains
     type(where_t), intent(in) :: place
     integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
     type(error_t), allocatable, intent(out) :: error
-    integer :: b, f, g, n
+    integer :: b, g, n
 
     allocate (block(0), elem(0), side(0))
     if (place%type /= W_FACES .and. place%type /= W_GROUP) then
@@ -471,14 +469,7 @@ contains
     if (place%mask == ALL_FACES) then
       call body_boundary(mesh, b, block, elem, side)
     else
-      do f = 1, 6
-        if (.not. btest(place%mask, f - 1)) cycle
-        associate (face => mesh%body(b)%face(f))
-          block = [block, face%block]
-          elem = [elem, face%elem]
-          side = [side, face%side]
-        end associate
-      end do
+      call body_faces(mesh, b, place%mask, block, elem, side)
     end if
     if (g > 0) then
       n = size(mesh%body(b)%group(g)%face%elem)

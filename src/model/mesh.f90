@@ -12,7 +12,7 @@ module mesh
   private
   public :: mesh_t, block_t, operator_t, body_t, body_face_t, group_t, block_cell, append_nodes, &
             append_blocks, append_body, is_rigid, solid_nodes, mark_rigid, place_origin, &
-            body_boundary, INSIDE
+            body_faces, body_boundary, ALL_FACES, INSIDE
 
   !> Bezier extraction operator of one knot span, or of a whole surface element.
   type :: operator_t
@@ -98,6 +98,7 @@ module mesh
   !! factor.
   real(wp), parameter :: FAR_AWAY = 100.0_wp
 
+  integer, parameter :: ALL_FACES = 63 !! mask of all faces of a body
   !> Bit of body%mask: the node lies on faces of the body, but none of them bounds it.
   integer, parameter :: INSIDE = 6
 
@@ -186,6 +187,25 @@ contains
     mesh%body = [mesh%body, body]
   end subroutine append_body
 
+  !> List the element faces of those faces of a body that a mask chooses.
+  pure subroutine body_faces(mesh, b, mask, block, elem, side)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: b               !! index of the body
+    integer, intent(in) :: mask            !! bit f-1 for each face f
+    integer, allocatable, intent(out) :: block(:), elem(:), side(:) !! as in body_face_t
+    integer :: f
+
+    allocate (block(0), elem(0), side(0))
+    do f = 1, 6
+      if (.not. btest(mask, f - 1)) cycle
+      associate (face => mesh%body(b)%face(f))
+        block = [block, face%block]
+        elem = [elem, face%elem]
+        side = [side, face%side]
+      end associate
+    end do
+  end subroutine body_faces
+
   !> List all faces of a body except those inside it.
   pure subroutine body_boundary(mesh, b, block, elem, side)
     type(mesh_t), intent(in) :: mesh
@@ -194,14 +214,7 @@ contains
     logical, allocatable :: bounds(:)
     integer :: f
 
-    allocate (block(0), elem(0), side(0))
-    do f = 1, 6
-      associate (face => mesh%body(b)%face(f))
-        block = [block, face%block]
-        elem = [elem, face%elem]
-        side = [side, face%side]
-      end associate
-    end do
+    call body_faces(mesh, b, ALL_FACES, block, elem, side)
     allocate (bounds(size(elem)), source=.true.)
     do f = 1, size(elem)
       associate (list => mesh%block(block(f)))
