@@ -176,7 +176,7 @@ contains
       call warn_unstable(command, beta, gamma, alpha)
     end if
     if (allocated(error) .or. run%program%dry) return
-    if (off) run%state%dynamics%continues = .false.
+    if (off) run%state%dynamics%continues = .false. ! a motion of a checkpoint ends, too
     if (off .and. .not. (run%state%dynamics%on .or. &
                          run%step%continuation%active == BY_INERTIA)) return
     call finish_solved_step(run, rewound, error)

@@ -22,24 +22,22 @@ contains
     integer, allocatable :: corner(:, :) ! (MOST, n) in ascending order; a triangle begins with 0
     integer(i8), allocatable :: key(:)
     integer, allocatable :: order(:), node(:), own_block(:), own_elem(:), own_side(:)
-    logical, allocatable :: outer(:), searched(:) ! (nbody) the body consists of several materials
+    logical, allocatable :: outer(:)
+    logical :: searched(size(mesh%block)) ! the others have known outer faces only
     type(topology_t) :: topology
     type(cell_t) :: cell
     integer :: b, e, f, i, j, n
 
-    allocate (searched(size(mesh%body)), source=.false.)
+    searched = mesh%block%body == 0
     if (present(by_material)) then
-      if (by_material) call find_mixed(mesh, searched)
+      if (by_material) call add_mixed(mesh, searched)
     end if
-    n = 6*sum([(mesh%block(b)%nelem, b=1, size(mesh%block))])
+    n = 6*sum([(mesh%block(b)%nelem, b=1, size(mesh%block))], searched)
     allocate (block(n), elem(n), side(n), corner(MOST, n), key(n))
     n = 0
     do b = 1, size(mesh%block)
       associate (set => mesh%block(b))
-        if (set%nelem == 0) cycle
-        if (set%body > 0) then
-          if (.not. searched(set%body)) cycle
-        end if
+        if (set%nelem == 0 .or. .not. searched(b)) cycle
         call block_cell(set, 1, cell)
         call set%row%topology(cell, topology)
         do e = 1, set%nelem
@@ -87,18 +85,19 @@ contains
     end do
   end subroutine find_outer_faces
 
-  !> Mark the bodies that consist of several materials.
-  pure subroutine find_mixed(mesh, mixed)
+  !> Mark the blocks of bodies that consist of several materials.
+  pure subroutine add_mixed(mesh, searched)
     type(mesh_t), intent(in) :: mesh
-    logical, intent(out) :: mixed(:) !! (nbody)
+    logical, intent(inout) :: searched(:) !! (nblock)
+    logical :: own(size(searched))
     integer :: b
 
-    do b = 1, size(mixed)
-      associate (material => pack(mesh%block%material, mesh%block%body == b &
-                                  .and. .not. is_rigid(mesh%block)))
-        mixed(b) = any(material /= material(1))
-      end associate
+    do b = 1, size(mesh%body)
+      own = mesh%block%body == b .and. .not. is_rigid(mesh%block)
+      if (maxval(mesh%block%material, own) > minval(mesh%block%material, own)) then
+        searched = searched .or. own
+      end if
     end do
-  end subroutine find_mixed
+  end subroutine add_mixed
 
 end module mesh_boundary
