@@ -24,6 +24,7 @@ module run
   use input_overlap, only: warn_crossed
   use solution_state, only: new_state
   use table_check, only: check_tables, warn_sum
+  use unresisted, only: warn_unresisted
   implicit none
   private
   public :: read_deck, execute
@@ -109,6 +110,7 @@ contains
     call warn_crossed(job%model%mesh, job%model%contact, job%state%contact%touched .or. &
                       job%model%contact%cohesive%given, job%model%mesh%xr + job%state%u)
     call note_missed(job%model, job%state)
+    call warn_unresisted(job%model, job%state)
     if (job%step%total%unconverged) then
       call fail(error, NO_SOLUTION, 'some steps were closed before they converged', &
                 hint='see the warnings in the log')
