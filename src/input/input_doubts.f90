@@ -12,9 +12,10 @@ module input_doubts
   use input_draft, only: draft_t
   use model, only: material_set_t
   use mesh, only: mesh_t, block_cell, is_rigid
+  use tensor, only: cross
   implicit none
   private
-  public :: check_twice, warn_twisted, warn_locking, member_t, element_text, place_of
+  public :: check_twice, warn_twisted, warn_locking, member_t, element_text, place_of, twist, TURNED
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
   !> Smallest Poisson's ratios that cause a warning: LOCKING_FROM for linear elements, which lock;
@@ -185,33 +186,39 @@ contains
     end associate
   end function place_of
 
-  !> Warn about hexahedra with opposite faces that are turned against each other, usually because
-  !! the nodes of one face begin at a different edge from those of the other face. After a quarter
-  !! of a turn, an element still has two thirds of its volume, and its Jacobian is positive
-  !! everywhere.
+  !> Warn about hexahedra and wedges with opposite faces that are turned against each other, usually
+  !! because the nodes of one face begin at a different corner from those of the other face. After a
+  !! quarter of a turn, a hexahedron still has two thirds of its volume, and after a third of a
+  !! turn, a wedge has half of it; their Jacobians are positive everywhere.
   subroutine warn_twisted(draft, mesh)
     type(draft_t), intent(in) :: draft
     type(mesh_t), intent(in) :: mesh
     type(cell_t) :: cell
     type(topology_t) :: topology
     type(member_t) :: first
-    character(:), allocatable :: text
+    character(:), allocatable :: text, order
     real(wp) :: angle, largest
     integer :: b, e, n
 
     n = 0
     largest = 0.0_wp
+    order = 'fifth node must lie opposite the first, the sixth opposite the second'
     do b = 1, size(mesh%block)
       associate (block => mesh%block(b))
         if (is_rigid(block) .or. block%row%spline .or. block%nelem == 0) cycle
         call block_cell(block, 1, cell)
         call block%row%topology(cell, topology)
-        if (topology%shape /= 'hexahedron') cycle
+        if (topology%shape /= 'hexahedron' .and. topology%shape /= 'wedge') cycle
         do e = 1, block%nelem
-          angle = twist(mesh%xr(:, block%conn(topology%corner, e)))
+          associate (x => mesh%xr(:, block%conn(topology%corner, e)))
+            if (size(x, 2) == 6) angle = turn(x(:, :3), x(:, 4:))
+            if (size(x, 2) == 8) angle = maxval(twist(x))
+          end associate
           if (angle < TURNED) cycle
           n = n + 1
           if (n > 1) cycle
+          if (topology%shape == 'wedge') order = 'fourth node must lie opposite the first, the ' &
+                                                 //'fifth opposite the second'
           largest = angle
           first%block = b
           first%elem = e
@@ -223,13 +230,14 @@ contains
            //to_text(largest, 3)//' degrees relative to each other'
     if (n > 1) text = text//' (the first of '//to_text(n)//' such elements)'
     call warn(text, place_of(draft, mesh, first), 'list the nodes of both faces in the same ' &
-              //'order: the fifth node must lie opposite the first, the sixth opposite the second')
+              //'order: the '//order)
   end subroutine warn_twisted
 
-  !> Largest angle by which opposite faces of a hexahedron are turned against each other, about the
-  !! line through their centres [degrees].
-  pure real(wp) function twist(x)
+  !> Angle by which opposite faces of a hexahedron are turned against each other, about the line
+  !! through their centres, for each of its three directions [degrees].
+  pure function twist(x)
     real(wp), intent(in) :: x(:, :) !! (3, 8) corners [L]
+    real(wp) :: twist(3)
     integer, parameter :: LOW(4, 3) = reshape([1, 4, 8, 5, 1, 5, 6, 2, 1, 2, 3, 4], [4, 3])
     integer, parameter :: HIGH(4, 3) = reshape([2, 3, 7, 6, 4, 8, 7, 3, 5, 6, 7, 8], [4, 3])
     real(wp) :: axis(3), p(3, 2, 2), cosine(2)
@@ -251,9 +259,31 @@ contains
       do i = 1, 2
         cosine(i) = dot_product(p(:, i, 1), p(:, i, 2))/(norm2(p(:, i, 1))*norm2(p(:, i, 2)))
       end do
-      twist = max(twist, acos(max(-1.0_wp, min(1.0_wp, maxval(cosine))))/DEGREE)
+      twist(d) = acos(max(-1.0_wp, min(1.0_wp, maxval(cosine))))/DEGREE
     end do
   end function twist
+
+  !> Angle of the rotation that best turns the edges of the lower face of a wedge into those of the
+  !! upper one, seen along the line between their centres [degrees].
+  pure real(wp) function turn(low, high)
+    real(wp), intent(in) :: low(:, :), high(:, :) !! (3, 3) corners of the two faces [L]
+    real(wp) :: a(3), axis(3), b(3), cosine, sine
+    integer :: i
+
+    turn = 0.0_wp
+    axis = sum(high - low, 2)
+    if (.not. norm2(axis) > 0.0_wp) return
+    axis = axis/norm2(axis)
+    cosine = 0.0_wp
+    sine = 0.0_wp
+    do i = 1, 3
+      a = low(:, 1 + mod(i, 3)) - low(:, i)
+      b = high(:, 1 + mod(i, 3)) - high(:, i)
+      cosine = cosine + dot_product(a, b) - dot_product(a, axis)*dot_product(b, axis)
+      sine = sine + dot_product(axis, cross(a, b))
+    end do
+    if (abs(cosine) + abs(sine) > 0.0_wp) turn = abs(atan2(sine, cosine))/DEGREE
+  end function turn
 
   !> Lines between the middles of opposite edges of a quadrilateral.
   pure function middle_lines(x) result(line)

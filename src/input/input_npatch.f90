@@ -3,14 +3,15 @@
 module input_npatch
   use base_error, only: error_t, fail, DECK_ERROR
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text, lower
   use bspline, only: spline_t, extraction
   use element_table, only: load_elements
   use element_type, only: element_t, cell_t
   use few_points, only: warn_few_nurbs_points
   use hexa_shape, only: tensor_rule
-  use input_draft, only: draft_t
+  use input_doubts, only: twist, TURNED
+  use input_draft, only: draft_t, npatch_entry_t
   use mesh, only: mesh_t, block_t, body_t, operator_t, append_blocks, append_body
   use nurbs, only: nurbs_t, is_rational
   use patch_nurbs, only: check_nurbs, check_orientation, turn_right_handed
@@ -84,8 +85,51 @@ contains
         end do
       end do
       call check_nurbs(patch, 3, 'NPATch '//to_text(k), p%place, error)
+      if (.not. allocated(error)) call warn_twisted_layers(patch, p)
     end associate
   end subroutine npatch_geometry
+
+  !> Warn if a layer of control points is turned by about 90 degrees against the layer before it;
+  !! its list probably begins at another corner.
+  subroutine warn_twisted_layers(patch, entry)
+    type(nurbs_t), intent(in) :: patch
+    type(npatch_entry_t), intent(in) :: entry
+    integer, parameter :: AT_CORNER(8) = [0, 1, 3, 2, 4, 5, 7, 6] ! bit d-1: high in direction d
+    real(wp) :: angle(3)
+    integer :: d, i, low(3), high(3), n(3)
+
+    n = shape(entry%node)
+    do d = 1, 3
+      do i = 1, n(d) - 1
+        low = 1
+        high = n
+        low(d) = i
+        high(d) = i + 1
+        angle = twist(corners(low, high))
+        if (angle(d) < TURNED) cycle
+        call warn('this NPATch is twisted: layer '//to_text(i + 1)//' of its control points in ' &
+                  //'direction '//to_text(d)//' is rotated by '//to_text(angle(d), 3) &
+                  //' degrees relative to layer '//to_text(i), entry%place, &
+                  'list the control points of all layers in the same order')
+        return
+      end do
+    end do
+
+  contains
+
+    !> Corners of two layers, in the order of the nodes of a hexahedron.
+    pure function corners(low, high) result(x)
+      integer, intent(in) :: low(3), high(3)
+      real(wp) :: x(3, 8)
+      integer :: at(3), c
+
+      do c = 1, 8
+        at = merge(high, low, btest(AT_CORNER(c), [0, 1, 2]))
+        x(:, c) = patch%cp(:3, at(1), at(2), at(3))/patch%cp(4, at(1), at(2), at(3))
+      end do
+    end function corners
+
+  end subroutine warn_twisted_layers
 
   !> Append NPATch k to the mesh, as a body with one block of elements on its control points.
   subroutine append_npatch(draft, k, mesh, error)

@@ -11,10 +11,12 @@
 module word_block
   use base_error, only: error_t, place_t, fail, DECK_ERROR
   use base_kinds, only: wp, i8
+  use base_log, only: warn
   use base_text, only: to_text, quoted
   use deck_record, only: record_t, check_count
   use deck_stream, only: deck_t, get_integer
   use elmt_q2, only: FEAP27
+  use input_doubts, only: twist, TURNED
   use input_draft, only: draft_t, next_data, end_set
   use input_fields, only: get_numbers
   use input_lists, only: add_place, MAX_NUMBER, grow_nodes, grow_elements
@@ -38,6 +40,10 @@ module word_block
   !! elements.
   integer, parameter :: MIRRORED(27) = [5, 6, 7, 8, 1, 2, 3, 4, 13, 14, 15, 16, 9, 10, 11, 12, 17, &
                                         18, 19, 20, 22, 21, 23, 24, 25, 26, 27]
+
+  !> Master nodes in the middle of the four edges along each direction.
+  integer, parameter :: MIDDLE(4, 3) = reshape([13, 15, 18, 20, 14, 16, 19, 21, 9, 10, 11, 12], &
+                                               [4, 3])
 
   type :: block_spec_t
     integer :: n(3) = 0              !! intervals between nodes
@@ -124,6 +130,7 @@ contains
     end do
     call check_block(draft, record, spec, error)
     if (allocated(error)) return
+    call warn_twisted_block(spec, record%place(1))
     call make_nodes(draft, spec, record%place(1))
     if (spec%element < 0) return
     call add_place(draft%places, record%place(1))
@@ -221,6 +228,28 @@ contains
                 //'numbers of the first node and element')
     end if
   end subroutine check_block
+
+  !> Warn about a block with opposite faces that are turned against each other by about 90 degrees.
+  !! Since the edges between them are straight, the section in the middle has only about half of the
+  !! area of the faces, whatever the number of elements is; nobody describes a twisted bar in this
+  !! way. If there is only one element between the faces, warn_twisted names it.
+  subroutine warn_twisted_block(spec, place)
+    type(block_spec_t), intent(in) :: spec
+    type(place_t), intent(in) :: place
+    real(wp) :: angle(3)
+    integer :: d
+
+    angle = twist(spec%x(:, :8))
+    do d = 1, 3
+      if (any(spec%given(MIDDLE(:, d)))) angle(d) = 0.0_wp
+      if (spec%n(d) == merge(1, 2, spec%type == BRICK_8)) angle(d) = 0.0_wp
+    end do
+    if (maxval(angle) < TURNED) return
+    call warn('this block is twisted: opposite faces are rotated by '//to_text(maxval(angle), 3) &
+              //' degrees relative to each other, and straight edges join them', place, &
+              'list the corners of both faces in the same order: master node 5 must lie opposite ' &
+              //'1, and 6 opposite 2; for a bar that is twisted, give the middles of its edges')
+  end subroutine warn_twisted_block
 
   !> Make nodes at equal intervals of the parameters of the master block; r varies fastest. Missing
   !! master nodes follow FEAP's rules: edges are straight, and the centres of the faces
