@@ -103,6 +103,7 @@ contains
     call keep_printed(run, command, values)
     call recall_fields(run, values)
     call recall_rows(run, values)
+    call recall_loads(run, values)
     call log_line('restarted after step '//to_text(run%state%step)//' from '//path_of(run, command))
     if (changed == '') changed = 'nothing'
     call log_line('changed since the analysis that wrote the checkpoint: '//changed)
@@ -204,6 +205,22 @@ contains
     call get(values, 'fields_step', run%files%fields_step, there)
     call get(values, 'fields_time', run%files%fields_time, there)
   end subroutine recall_fields
+
+  !> Recall which load tables have acted and the largest load of the run so far. Before a PROP, all
+  !! loads have the factor 1.
+  subroutine recall_loads(run, values)
+    type(run_t), intent(inout) :: run
+    type(named_values_t), intent(in) :: values
+    integer, allocatable :: acted(:)
+    logical :: there
+
+    call get(values, 'total_load', run%step%total%load, there)
+    call get(values, 'table_acted', acted, there)
+    if (.not. there) return
+    if (size(acted) == 0) acted = [merge(1, 0, run%state%step > 0)]
+    allocate (run%plan%acted(0:size(acted) - 1), source=acted > 0)
+    allocate (run%plan%ended(size(acted) - 1), source=.false.)
+  end subroutine recall_loads
 
   !> Read the state and the named values in the file that the command names.
   subroutine read_state(run, command, state, values, changed, error)

@@ -31,6 +31,7 @@ contains
 
     if (.not. allocated(run%plan%closed_at)) run%plan%closed_at = run%state%time
     call save_position(run%program, run%deck%params, run%plan%prints)
+    run%step%reloaded = run%plan%loads_changed .and. run%state%step == run%plan%restarted_at
     call begin_step(run%step, run%model, run%state, left)
   end subroutine open_step_here
 

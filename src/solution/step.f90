@@ -477,7 +477,9 @@ contains
     end associate
     call follow_rounding(step, model, state, pass)
     step%total%inertia = step%total%inertia .or. state%dynamics%on
-    if (.not. step%total%jumped) call suspect_jump(step%newton, model, state, jump)
+    if (.not. (step%total%jumped .or. step%reloaded)) then
+      call suspect_jump(step%newton, model, state, jump)
+    end if
     call find_uneven(model, state, step%total%uneven)
     call warn_still(state, place, step%total%still)
     call warn_untimed(model, state, step%total%untimed)

@@ -41,6 +41,7 @@ module step_type
     type(pass_t) :: pass                 !! outcome of the last Newton iteration
     logical :: open = .false.            !! a step is in progress
     logical :: timed = .false.           !! a TIME began the step
+    logical :: reloaded = .false.        !! its start is a checkpoint with other loads (RESTart)
     logical :: retry = .false.           !! the next step repeats a step that was cut back
     logical :: solved = .false.          !! at least one system was solved in the step
     logical :: searches = .false.        !! the last solve had the line search of the deck

@@ -251,6 +251,25 @@ class Restart(Folder):
                 "jump in the first step after RESTart" in done.stderr, warns, done.stderr
             )
 
+    def test_a_run_that_unloads_knows_the_loads_of_the_first_one(self):
+        text = self.deck.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 1")
+        text = text.replace("time,10", "time,1").replace("DT,,0.1", "DT,,1")
+        (self.at / "box.inp").write_text(text)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        text = text.replace("ends ends\n", "ends ends\n2 0\n")
+        done = self.continued(text=text)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(" 0 warnings", done.stderr)
+
+    def test_another_load_is_no_jump_over_a_limit_point(self):
+        text = self.deck.replace("MOVE,a,3+ TRANslate 0 0 -way PROP 1", "PRESsure,a,3+ 1 PROP 1")
+        (self.at / "box.inp").write_text(text)
+        self.assertEqual(self.run_bezel("box.inp").returncode, 0)
+        text = text.replace("a,3+ 1", "a,3+ 2").replace("time,10", "time,5")
+        done = self.continued(text=text.replace("ends ends\n", "ends ends\n2 2\n"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertNotIn("distant state", done.stderr)
+
     def test_reactions_with_other_loads_before_the_first_solve_are_noticed(self):
         self.last_row("box", self.moving())
         for load, warns in (("10 PROP", False), ("20 PROP", True)):
