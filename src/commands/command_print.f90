@@ -86,20 +86,22 @@ contains
     integer, intent(in) :: first, last, step
     type(error_t), allocatable, intent(out) :: error
     integer, allocatable :: list(:)
+    real(wp), allocatable :: before ! time of the last step, until this one is solved
 
+    if (run%step%open .and. run%step%timed .and. .not. run%step%solved) before = run%plan%closed_at
     associate (out => run%files%out, model => run%model, state => run%state)
       if (command%record%key(1) == 'stre' .and. all(command%option /= ['node', 'coor'])) then
-        call print_stresses(out, model, state, first, last, step, error)
+        call print_stresses(out, model, state, first, last, step, error, before)
         return
       end if
       list = nodes_of_table(run, command, first, last, step)
       select case (command%record%key(1))
       case ('disp')
-        call print_displacements(out, model, state, list, error)
+        call print_displacements(out, model, state, list, error, before)
       case ('reac')
-        call print_reactions(out, model, state, formed_factors(run), list, error)
+        call print_reactions(out, model, state, formed_factors(run), list, error, before)
       case default
-        call print_nodal_stresses(out, model, state, list, error)
+        call print_nodal_stresses(out, model, state, list, error, before)
       end select
     end associate
   end subroutine write_table

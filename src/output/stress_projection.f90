@@ -6,18 +6,19 @@
 !! for small strains (SMALl) over the reference volume.
 !! The result is a mean with positive weights if N_A >= 0. N_A^2 replaces N_A in elements in which
 !! the integral of a function is zero or negative (quadratic tetrahedra, collapsed sides of Q2). A
-!! constant stress is reproduced exactly.
+!! constant stress is reproduced exactly. The von Mises stress is that of the smoothed components:
+!! smoothed by itself, it would be too large where they change sign, and negative where N_A is.
 module stress_projection
   use base_kinds, only: wp
   use mesh, only: is_rigid
   use model, only: model_t, state_t
-  use solid_recover, only: recovered_t, recover
+  use solid_recover, only: recovered_t, recover, von_mises
   use tensor, only: det3
   implicit none
   private
   public :: project_stress
 
-  integer, parameter :: NVALUE = 7 !! six components and von Mises stress
+  integer, parameter :: NVALUE = 6 !! components of the stress
 
 contains
 
@@ -62,8 +63,8 @@ contains
     mises = 0.0_wp
     do a = 1, model%mesh%nnode
       if (total(NVALUE + 1, a) <= 0.0_wp) cycle
-      stress(:, a) = total(:6, a)/total(NVALUE + 1, a)
-      mises(1, a) = total(7, a)/total(NVALUE + 1, a)
+      stress(:, a) = total(:NVALUE, a)/total(NVALUE + 1, a)
+      mises(1, a) = von_mises(stress(:, a))
     end do
   end subroutine project_stress
 
@@ -81,7 +82,7 @@ contains
       dv = point(q)%volume
       if (finite) dv = dv*det3(point(q)%dg)
       if (dv <= 0.0_wp) cycle
-      value = dv*[point(q)%sig, point(q)%mises, 1.0_wp]
+      value = dv*[point(q)%sig, 1.0_wp]
       do a = 1, size(node)
         total(:, node(a)) = total(:, node(a)) + weight(a, q)*value
       end do

@@ -122,6 +122,17 @@ class Stresses(Folder):
         self.assertEqual(len(table), 16)
         self.assertEqual(set(table), {1})
 
+    def test_the_von_mises_stress_of_a_node_is_that_of_its_components(self):
+        """A column of Q2 between two walls under its weight has the stress 1 - x, which is exact."""
+        shutil.copy(HERE / "silent/mises_of_column.inp", self.at)
+        done = self.run_bezel("mises_of_column.inp")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split() for line in (self.at / "mises_of_column.out").read_text().splitlines()]
+        nodes = [row for row in rows if len(row) == 8 and row[0].isdigit()]
+        self.assertEqual(len(nodes), 63)
+        for row in nodes:
+            self.assertAlmostEqual(float(row[7]), abs(float(row[1])), delta=1e-9)
+
 
 class Displacements(Folder):
     DECK = """FEAP ** a block slides on its base in steps that resemble each other
@@ -180,6 +191,8 @@ STOP
         text = (self.at / "slide.out").read_text()
         rows = [line.split() for line in text.splitlines() if line.split()[:1] == ["115"]]
         self.assertEqual(len(rows), 8)
+        old = [float(line.split()[-1]) for line in text.splitlines() if "Nothing has been" in line]
+        self.assertEqual(old, [0, 0.25, 0.5, 0.75, 0.75])  # not those of the new steps
         for before, after in ((1, 2), (3, 4), (5, 6), (5, 7)):
             self.assertEqual(rows[before], rows[after])
         self.assertNotEqual(rows[1], rows[3])
