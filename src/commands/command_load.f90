@@ -8,7 +8,7 @@ module command_load
                           assignment_t, whole_field, check_fields
   use continuation, only: follow_slopes
   use deck_expression, only: set_parameter
-  use deck_record, only: record_t, check_count, RECORD_WORDS
+  use deck_record, only: record_t, check_count, RECORD_COMMENT, RECORD_WORDS
   use deck_stream, only: deck_t, get_integer, get_real, get_assignment
   use load_curve, only: load_table_t
   use solution_state, only: set_factors, factor_slopes
@@ -42,6 +42,12 @@ contains
     call whole_field(command, 1, first, error)
     call whole_field(command, 2, last, error)
     if (allocated(error)) return
+    if (last > 0 .and. last < first) then
+      call fail(error, DECK_ERROR, 'the last table number '//to_text(last)//' is less than the ' &
+                //'first one, '//to_text(first), command%record%place(4), 'write PROP,,k1,k2 ' &
+                //'with k1 <= k2')
+      return
+    end if
     first = max(1, first)
     last = max(first, last)
     if (any(command%x(:2) < 0.0_wp) .or. last > MOST_TABLES) then
@@ -175,6 +181,10 @@ contains
     do
       call run%deck%next_of_set(record, error)
       if (allocated(error)) return
+      if (record%kind == RECORD_COMMENT) then
+        end_of_table = 'the comment line '//to_text(record%line)//' ended the load table before ' &
+                       //'this record (FEAP); put comments behind the pairs of a record'
+      end if
       if (record%kind /= RECORD_WORDS) exit
       if (done) then
         call run%deck%put_back(record)

@@ -4,9 +4,11 @@ module command_watch
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: position_text, quoted, to_text
+  use boundary, only: place_of_number
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
   use contact_patch, only: warn_small_patches
+  use dynamics_type, only: BACKWARD_EULER
   use energy_growth, only: warn_growth
   use failure_text, only: element_name
   use force_rounding, only: warn_rounding
@@ -19,6 +21,7 @@ module command_watch
   public :: watch_step, watch_end
 
   real(wp), parameter :: HALF_TURN = 180.0_wp, DEGREE = acos(-1.0_wp)/180.0_wp
+  real(wp), parameter :: TURNED = sqrt(2.0e-3_wp) !! angle that causes false strains of 1e-3 [rad]
   real(wp), parameter :: SMALL = 0.1_wp !! largest displacement gradient of small strains
 
 contains
@@ -37,7 +40,9 @@ contains
       end do
     end associate
     if (.not. run%plan%turn_warned) call watch_rotations(run)
+    if (.not. run%plan%strain_warned) call watch_turned(run)
     if (.not. run%plan%strain_warned) call watch_strains(run)
+    if (run%state%step == 1) call watch_start(run)
     if (.not. run%plan%inverted_warned) call watch_corners(run)
     call watch_tables(run)
   end subroutine watch_step
@@ -71,6 +76,102 @@ contains
       end do
     end associate
   end subroutine watch_rotations
+
+  !> Warn if MOVE turns a body of small strains so far that the rotation itself causes stresses.
+  subroutine watch_turned(run)
+    type(run_t), intent(inout) :: run
+    logical :: moves(run%model%mesh%nnode) ! nodes of a motion
+    real(wp) :: angle
+    integer :: b, e, i
+
+    do i = 1, size(run%model%bc%motion)
+      associate (motion => run%model%bc%motion(i))
+        if (.not. motion%rotates) cycle
+        angle = abs(motion%angle*load_factor(run%state%factor, motion%table))
+        if (angle <= TURNED) cycle
+        moves = .false.
+        moves(motion%node) = .true.
+        do b = 1, size(run%model%mesh%block)
+          associate (block => run%model%mesh%block(b))
+            if (is_rigid(block)) cycle
+            associate (material => run%model%material(block%material))
+              if (material%row%finite) cycle
+              if (.not. any([(any(moves(block%conn(:, e))), e=1, block%nelem)])) cycle
+              call warn('MOVE turns a body of material '//to_text(material%number)//' by ' &
+                        //to_text(angle/DEGREE, 3)//' degrees in step ' &
+                        //to_text(run%state%step)//', but this material is for small strains ' &
+                        //'(SMALl): without any deformation, the rotation causes strains of ' &
+                        //to_text(1.0_wp - cos(angle), 2), motion%place, 'use NEOHook with ' &
+                        //'FINIte, for which a rotation causes no stress')
+              run%plan%strain_warned = .true.
+              return
+            end associate
+          end associate
+        end do
+      end associate
+    end do
+  end subroutine watch_turned
+
+  !> After the first step of a motion computed by NEWMark or HHT: warn about prescribed
+  !! displacements that are not 0 at its start, so that their velocity is infinite.
+  subroutine watch_start(run)
+    type(run_t), intent(in) :: run
+    real(wp) :: start(size(run%state%table))
+    logical :: heavy(run%model%mesh%nnode) ! nodes of bodies with a density
+    type(place_t) :: place
+    character(:), allocatable :: word
+    integer :: i, k
+
+    associate (state => run%state, bc => run%model%bc)
+      if (.not. state%dynamics%on .or. state%dynamics%method == BACKWARD_EULER) return
+      start = [(table_factor(state%table(k), state%time - state%dt), k=1, size(state%table))]
+      heavy = .false.
+      do i = 1, size(run%model%mesh%block)
+        associate (block => run%model%mesh%block(i))
+          if (is_rigid(block)) cycle
+          if (.not. run%model%material(block%material)%density > 0.0_wp) cycle
+          do k = 1, block%nelem
+            heavy(block%conn(:, k)) = .true.
+          end do
+        end associate
+      end do
+      do i = 1, size(bc%motion)
+        associate (motion => bc%motion(i))
+          if (.not. (motion%rotates .or. any(abs(motion%vector) > 0.0_wp))) cycle
+          if (.not. (jumps(motion%table) .and. any(heavy(motion%node)))) cycle
+          word = 'MOVE'
+          place = motion%place
+        end associate
+      end do
+      if (.not. allocated(word)) then
+        nodes: do i = 1, size(bc%table, 2)
+          do k = 1, 3
+            if (.not. (abs(bc%value(k, i)) > 0.0_wp .and. bc%fixed(k, i) /= 0)) cycle
+            if (.not. (heavy(i) .and. jumps(bc%table(k, i)))) cycle
+            word = 'DISPlacement'
+            call place_of_number(bc, bc%table(k, i), place)
+            exit nodes
+          end do
+        end do nodes
+      end if
+      if (.not. allocated(word)) return
+      call warn('the motion of '//word//' begins with a jump: its factor is not 0 at the start ' &
+                //'of the first step, so that velocities and forces depend on DT however small ' &
+                //'it is', place, 'give it a load table that begins with the factor 0: PROP,,k ' &
+                //'with pairs t p, such as 0 0 and the end of the motion; a body that is to rest ' &
+                //'there needs no TRANsient before')
+    end associate
+
+  contains
+
+    pure logical function jumps(table)
+      integer, intent(in) :: table
+
+      jumps = size(start) == 0
+      if (.not. jumps) jumps = abs(load_factor(start, table)) > 0.0_wp
+    end function jumps
+
+  end subroutine watch_start
 
   !> Warn if a material for small strains is strongly stretched or rotated.
   subroutine watch_strains(run)

@@ -8,8 +8,7 @@ module deck_stream
   use deck_params, only: is_name, note_spelling
   use deck_reader, only: reader_t, open_reader, next_record, next_unrolled, include_file, &
                          cancel_loops, check_loops, source_text
-  use deck_record, only: record_t, check_count, mixed_comma, RECORD_WORDS, RECORD_BLANK, &
-                         RECORD_COMMENT
+  use deck_record, only: record_t, check_count, mixed_comma, RECORD_WORDS, RECORD_COMMENT
   use deck_settings, only: setting_t, read_settings, use_setting, check_used, settings_text
   implicit none
   private
@@ -122,7 +121,6 @@ contains
     type(error_t), allocatable, intent(out) :: error
 
     call deck%next(record, error)
-    if (record%kind == RECORD_COMMENT) record%kind = RECORD_BLANK
   end subroutine next_of_set
 
   !> Read the next record of a block that FEAP does not have, such as PATCh, CONTact or CURVe, in

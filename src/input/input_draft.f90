@@ -7,7 +7,7 @@ module input_draft
   use boundary, only: motion_t, pressure_t
   use contact_pair, only: contact_t
   use curve_type, only: quantity_t
-  use deck_record, only: record_t, RECORD_WORDS
+  use deck_record, only: record_t, RECORD_COMMENT, RECORD_WORDS
   use deck_stream, only: deck_t, get_real
   use input_lists, only: node_list_t, element_list_t, named_nodes_t, place_list_t, MAX_NUMBER
   use input_where, only: where_t
@@ -160,6 +160,7 @@ module input_draft
     !> TRANsform: a position x becomes turn x + shift [L].
     real(wp) :: turn(3, 3) = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3])
     real(wp) :: shift(3) = 0.0_wp
+    type(place_t), allocatable :: idle_transform !! a TRANsform that nothing has followed so far
     integer :: last_node = 0, last_element = 0, last_material = 0 !! last numbers of the last BLOCk
     type(patch_entry_t), allocatable :: patch(:)
     type(npatch_entry_t), allocatable :: npatch(:)
@@ -184,7 +185,8 @@ module input_draft
     logical :: skips_comments = .false. !! skip comments in the set instead of closing it
     integer :: closed = 0 !! row of the word of this set or, between sets, of the last one
     type(place_t) :: closed_place      !! place where that set begins
-    integer :: closed_line = 0         !! line of the blank record that closed that set; 0: none
+    integer :: closed_line = 0         !! line of the record that closed that set; 0: none
+    character(:), allocatable :: closed_by !! 'blank record' or 'comment line'
     logical :: has_pending = .false.
     type(record_t) :: pending          !! a word that closed a set without a blank record
   end type draft_t
@@ -263,6 +265,7 @@ contains
     if (record%is_blank()) then
       draft%in_set = .false.
       draft%closed_line = record%line
+      draft%closed_by = merge('comment line', 'blank record', record%kind == RECORD_COMMENT)
     else if (record%is_end()) then
       draft%in_set = .false.
       draft%ended = .true.

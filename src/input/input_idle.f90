@@ -10,7 +10,8 @@ module input_idle
   use mesh, only: is_rigid, mesh_t
   implicit none
   private
-  public :: warn_idle_loads, warn_idle_bodies, warn_increments, note_idle_materials
+  public :: warn_idle_loads, warn_idle_bodies, warn_increments, note_idle_materials, &
+            warn_idle_transform
 
   real(wp), parameter :: NEGLIGIBLE = 1.0e-9_wp !! relative to the largest nodal force of a pressure
 
@@ -35,6 +36,17 @@ contains
       end associate
     end do
   end subroutine note_idle_materials
+
+  !> Warn about the last TRANsform if nothing to which it applies has followed it.
+  subroutine warn_idle_transform(draft)
+    type(draft_t), intent(inout) :: draft
+
+    if (.not. allocated(draft%idle_transform)) return
+    call warn('this TRANsform has no effect: no COORdinates, NURBs, BLOCk, FORCe or DISPlacement ' &
+              //'follow it', draft%idle_transform, 'it does not apply to PATCh, MESH and SPLIne: ' &
+              //'move these bodies by records ROTAte and TRANslate of their own')
+    deallocate (draft%idle_transform)
+  end subroutine warn_idle_transform
 
   !> Warn about the increment of the last element of each ELEMents, which generates nothing, if the
   !! next element that it could generate has defined nodes of which some belong to no element.

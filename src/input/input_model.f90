@@ -14,7 +14,8 @@ module input_model
   use input_contact, only: build_contacts
   use input_doubts, only: check_twice, warn_twisted, warn_locking
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
-  use input_idle, only: note_idle_materials, warn_idle_bodies, warn_idle_loads, warn_increments
+  use input_idle, only: note_idle_materials, warn_idle_bodies, warn_idle_loads, &
+                        warn_idle_transform, warn_increments
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
@@ -74,6 +75,7 @@ contains
         call tabulate_basis(mesh) ! surface loads need the quadrature rules
         call warn_numbers(draft, mesh)
         call warn_increments(draft)
+        call warn_idle_transform(draft)
         call find_tied(draft, mesh, tied)
         call warn_repeated_conditions(draft)
         call warn_same_nodes(draft, mesh, tied)
@@ -236,7 +238,7 @@ contains
       if (row%has_numbers) belongs = belongs .or. scan(key, '0123456789') == 1
       if (row%name == 'PARAmeters') belongs = record%assigns()
       if (belongs) hint = quoted(record%text(1))//' may belong to '//trim(row%name) &
-                          //', which the blank record in line ' &
+                          //', which the '//draft%closed_by//' in line ' &
                           //to_text(draft%closed_line)//' closed'
     end associate
   end function closed_hint

@@ -292,6 +292,7 @@ contains
     n = spec%node - 1
     corner = reshape(x(:, 1:3:2, 1:3:2, 1:3:2), [3, 8])
     extent = norm2(draft%turn)*maxval(maxval(corner, 2) - minval(corner, 2))
+    if (allocated(draft%idle_transform)) deallocate (draft%idle_transform)
     do k = 0, spec%n(3)
       f3 = functions(k, spec%n(3))
       do j = 0, spec%n(2)

@@ -140,6 +140,7 @@ contains
     type(pressure_entry_t) :: p
     type(pressure_entry_t), allocatable :: longer(:)
     logical :: zero
+    logical :: numbered ! PROP was given
     integer :: i
 
     i = 2
@@ -158,17 +159,19 @@ contains
     end if
     zero = .not. abs(p%pressure%value) > 0.0_wp .and. record%has_digits_only(i, i)
     i = i + 1
-    if (record%key(i) == 'prop') call read_table(deck, record, i, p%pressure%table, USAGE, error)
-    if (allocated(error)) return
-    if (i <= record%n) then
-      if (record%key(i) /= 'foll') then
-        call fail(error, DECK_ERROR, 'unknown option '//quoted(record%text(i)), record%place(i), &
-                  USAGE)
-        return
+    numbered = .false.
+    do while (i <= record%n) ! the options in either order, each at most once
+      if (record%key(i) == 'foll' .and. .not. p%pressure%follower) then
+        p%pressure%follower = .true.
+        i = i + 1
+      else if (.not. numbered) then
+        call read_table(deck, record, i, p%pressure%table, USAGE, error)
+        if (allocated(error)) return
+        numbered = .true.
+      else
+        exit
       end if
-      p%pressure%follower = .true.
-      i = i + 1
-    end if
+    end do
     call check_count(record, i - 1, i - 1, USAGE, error)
     if (allocated(error)) return
     if (draft%npressure == size(draft%pressure)) then

@@ -275,6 +275,7 @@ contains
       zero = zero .and. .not. any(abs(x) > 0.0_wp) .and. line%has_digits_only(3)
       stray = stray .or. (last_step > 0 .and. abs(n - last) <= last_step)
       x = matmul(draft%turn, x)
+      if (allocated(draft%idle_transform)) deallocate (draft%idle_transform)
       if (last == n) last_step = 0
       if (is_force) then
         twice = any(abs(draft%nodes%force(:, n)) > 0.0_wp) .and. &

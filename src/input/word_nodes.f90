@@ -11,6 +11,7 @@ module word_nodes
   use deck_stream, only: deck_t, get_integer, get_real
   use input_draft, only: draft_t, next_data, end_set, check_number, check_increment
   use input_fields, only: get_numbers
+  use input_idle, only: warn_idle_transform
   use input_lists, only: grow_nodes
   use input_twice, only: warn_node_twice
   use tensor, only: det3
@@ -69,6 +70,7 @@ contains
       if (n /= last) call warn_node_twice(draft, line%place(1), n, 'the later record replaces ' &
                                           //'the earlier one: remove one of them')
       call set_point(n, matmul(draft%turn, x) + draft%shift, w)
+      if (allocated(draft%idle_transform)) deallocate (draft%idle_transform)
       if (n == last) then
         call fail(error, DECK_ERROR, 'node '//to_text(n)//' is given twice in succession', &
                   line%place(1), 'keep one of the two records')
@@ -118,6 +120,7 @@ contains
     logical :: more
     integer :: i
 
+    call warn_idle_transform(draft)
     call check_count(record, 1, 1, &
                      'TRANsform has no options; four records of three numbers follow', error)
     if (allocated(error)) return
@@ -141,7 +144,10 @@ contains
     if (.not. abs(det3(draft%turn)) > 1.0e-12_wp*norm2(draft%turn)**3) then
       call fail(error, DECK_ERROR, 'the matrix of TRANsform is singular', record%place(1), &
                 'give three rows that do not lie in one plane')
+      return
     end if
+    t(:, :3) = t(:, :3) - reshape([1, 0, 0, 0, 1, 0, 0, 0, 1]*1.0_wp, [3, 3])
+    if (any(abs(t) > 0.0_wp)) draft%idle_transform = record%place(1)
   end subroutine read_transform
 
 end module word_nodes

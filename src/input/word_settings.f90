@@ -24,6 +24,7 @@ contains
                      "PARAmeters has no options; records 'name = expression' follow", error)
     if (allocated(error)) return
     call read_parameters(deck, draft%row%name, draft%closed_line, error)
+    draft%closed_by = 'blank record' ! or a comment, which is treated like one
     if (.not. allocated(error)) draft%in_set = .false.
   end subroutine read_para
 
