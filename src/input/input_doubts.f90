@@ -15,7 +15,8 @@ module input_doubts
   use tensor, only: cross
   implicit none
   private
-  public :: check_twice, warn_twisted, warn_locking, member_t, element_text, place_of, twist, TURNED
+  public :: check_twice, warn_twisted, warn_locking, twist, TURNED
+  public :: member_t, list_members, element_text, place_of, shortest, NEAR
 
   real(wp), parameter :: NEAR = 1.0e-6_wp     !! positions closer than this times `size` are equal
   !> Smallest Poisson's ratios that cause a warning: LOCKING_FROM for linear elements, which lock;

@@ -11,7 +11,7 @@ module input_locate
   use tensor, only: det3, inv3
   implicit none
   private
-  public :: locate_point
+  public :: locate_point, is_within
 
   integer, parameter :: MAX_ITER = 100
   real(wp), parameter :: OUTSIDE = 1.0e-6_wp !! a point this far outside an element, relative to the
@@ -76,6 +76,21 @@ contains
     end do
     if (block > 0) call leave_singular(mesh, block, elem, xi)
   end subroutine locate_point
+
+  !> Does a reference point lie in an element, where all parent coordinates are at most `most`?
+  logical function is_within(mesh, b, e, x, most)
+    type(mesh_t), intent(in) :: mesh
+    integer, intent(in) :: b, e     !! block and element
+    real(wp), intent(in) :: x(3)    !! [L]
+    real(wp), intent(in) :: most
+    real(wp) :: xe(3, mesh%block(b)%nen), away, extent, xi(3)
+
+    xe = mesh%xr(:, mesh%block(b)%conn(:, e))
+    extent = maxval(maxval(xe, 2) - minval(xe, 2))
+    xi = 0.0_wp
+    call find_closest(mesh%block(b), e, xe, x, EXACT*extent + rounding_of(x), xi, away)
+    is_within = away <= OUTSIDE*extent + rounding_of(x) .and. all(abs(xi) <= most)
+  end function is_within
 
   !> Rounding error of the difference between a point and a nearby node.
   pure real(wp) function rounding_of(x)

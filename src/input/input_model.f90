@@ -16,6 +16,7 @@ module input_model
   use input_draft, only: draft_t, mesh_read_i, skip_set, row_of, known_word
   use input_idle, only: note_idle_materials, warn_idle_bodies, warn_idle_loads, &
                         warn_idle_transform, warn_increments
+  use input_inside, only: warn_inside
   use input_loads, only: integrate_loads
   use input_mesh, only: make_mesh, count_mesh, make_bodies
   use input_mismatch, only: warn_mismatch
@@ -117,6 +118,7 @@ contains
         call warn_touching(draft, mesh, draft%model%contact, told)
         call warn_mismatch(draft, mesh, told)
         call warn_overlaps(mesh, draft%model%contact, told)
+        call warn_inside(draft, mesh, draft%model%contact)
         call warn_idle_bodies(mesh, draft%model%contact)
         call integrate_loads(draft%model)
       end associate

@@ -20,7 +20,7 @@ module input_overlap
   use surface_geometry, only: surface_point
   implicit none
   private
-  public :: warn_overlaps, warn_crossed
+  public :: warn_overlaps, warn_crossed, find_centre
 
   !> A point is inside another body if its depth exceeds this fraction of the widths of both faces:
   !! that of the point, and the nearest one of the other body. The faces of rigid bodies have the

@@ -6,10 +6,12 @@ module input_untied
   use base_log, only: warn
   use base_text, only: to_text, quoted, lower
   use contact_pair, only: contact_t
+  use input_doubts, only: shortest
   use input_draft, only: draft_t
   use input_skin, only: skin_t, make_skin, face_width
   use mesh, only: mesh_t
   use projection, only: project
+  use projection_search, only: is_near
   use projection_type, only: foot_t
   use surface_geometry, only: surface_point
   use tensor, only: cross
@@ -71,13 +73,15 @@ contains
     logical, allocatable, intent(out) :: told(:, :) !! (nbody, nbody) pairs of bodies a < b
     type(skin_t), allocatable :: skin(:)
     logical, allocatable :: on(:, :) ! (nnode, 2) untied nodes of one body and of the other
-    real(wp) :: near
+    logical, allocatable :: held(:)  ! (nnode) something else holds the node
+    real(wp) :: near, away(2)
     integer :: a, b, n, tied
 
     allocate (told(size(mesh%body), size(mesh%body)), source=.false.)
     if (size(mesh%body) < 2 .or. size(draft%tie) == 0 .or. mesh%nnode == 0) return
     near = ON_FACE*maxval(maxval(mesh%xr, 2) - minval(mesh%xr, 2))
     allocate (skin(size(mesh%body)), on(mesh%nnode, 2))
+    call find_held(mesh, draft%model%contact, held)
     do a = 1, size(skin)
       call make_skin(mesh, a, skin(a))
     end do
@@ -85,14 +89,23 @@ contains
       do b = a + 1, size(skin)
         if (.not. (skin(a)%exists .and. skin(b)%exists)) cycle
         if (in_contact(draft, mesh%body(a)%name, mesh%body(b)%name)) cycle
-        call find_loose(mesh, a, b, skin, near, on(:, 1))
-        call find_loose(mesh, b, a, skin, near, on(:, 2))
+        away = [huge(away), 0.0_wp]
+        call find_loose(mesh, a, b, skin, near, held, on(:, 1), away)
+        call find_loose(mesh, b, a, skin, near, held, on(:, 2), away)
         n = count(on)
         if (n == 0) cycle
         if (.not. (shares_face(skin(a), skin(b), on(:, 1)) .or. &
                    shares_face(skin(b), skin(a), on(:, 2)))) cycle ! they share an edge or a corner
         told(a, b) = .true.
         tied = shared(mesh%body(a)%node, mesh%body(b)%node)
+        if (tied == 0 .and. away(1) > near) then
+          call warn('TIE joins no nodes of '//quoted(mesh%body(a)%name)//' and ' &
+                    //quoted(mesh%body(b)%name)//', which are up to '//to_text(away(2), 3) &
+                    //' apart on their common face', mesh%body(b)%place, 'the bodies do not act ' &
+                    //'on each other: move one of them to close the gap, if its position is ' &
+                    //'rounded, or use CONTact')
+          cycle
+        end if
         call warn('TIE joins '//to_text(tied)//' nodes of '//quoted(mesh%body(a)%name)//' and ' &
                   //quoted(mesh%body(b)%name)//'; '//to_text(n)//' nodes on their common face ' &
                   //'stay untied', mesh%body(b)%place, 'the meshes do not match there, and the ' &
@@ -119,32 +132,76 @@ contains
   end function in_contact
 
   !> Mark the nodes of body a that lie on a face of body b and do not belong to b. Control points
-  !! are not marked, because they need not lie on the surface.
-  subroutine find_loose(mesh, a, b, skin, near, on)
+  !! are not marked, because they need not lie on the surface. In front of the whole body b, a node
+  !! lies on a face if the distance is small compared with the elements of both bodies, and if
+  !! nothing else, such as a thin layer between the bodies, holds it.
+  subroutine find_loose(mesh, a, b, skin, near, held, on, away)
     type(mesh_t), intent(in) :: mesh
     integer, intent(in) :: a, b
     type(skin_t), intent(in) :: skin(:)
     real(wp), intent(in) :: near       !! [L]
+    logical, intent(in) :: held(:)     !! (nnode) from find_held
     logical, intent(out) :: on(:)      !! (nnode)
+    real(wp), intent(inout) :: away(2) !! least and largest distance of such nodes [L]
     type(foot_t) :: foot
     logical :: theirs(mesh%nnode), seen(mesh%nnode)
-    integer :: i
+    real(wp) :: reach
+    integer :: e, i
 
     on = .false.
     theirs = .false.
     theirs(mesh%body(b)%node) = .true.
     seen = .false.
-    do i = 1, size(skin(a)%surface%node)
-      associate (node => skin(a)%surface%node(i))
-        if (theirs(node) .or. seen(node) .or. mesh%is_control(node)) cycle
-        seen(node) = .true.
-        foot%elem = 0
-        call project(skin(b)%surface, skin(b)%shape, skin(b)%grid, mesh%xr(:, node), foot, near)
-        if (foot%elem == 0) cycle
-        on(node) = abs(foot%gap) <= max(near, CURVED*face_width(skin(b), foot%elem))
-      end associate
+    do e = 1, skin(a)%surface%nelem
+      reach = max(near, CURVED*edge_behind(mesh, skin(a), e))
+      do i = skin(a)%surface%first(e), skin(a)%surface%first(e + 1) - 1
+        associate (node => skin(a)%surface%node(i), other => skin(b))
+          if (theirs(node) .or. seen(node) .or. mesh%is_control(node)) cycle
+          seen(node) = .true.
+          foot%elem = 0
+          call project(other%surface, other%shape, other%grid, mesh%xr(:, node), foot, reach)
+          if (foot%elem == 0) cycle
+          on(node) = abs(foot%gap) <= max(near, CURVED*face_width(other, foot%elem))
+          if (.not. is_near(other%grid, mesh%xr(:, node), near)) then
+            on(node) = on(node) .and. .not. held(node) .and. &
+                       abs(foot%gap) <= min(reach, CURVED*edge_behind(mesh, other, foot%elem))
+          end if
+          if (on(node)) away = [min(away(1), abs(foot%gap)), max(away(2), abs(foot%gap))]
+        end associate
+      end do
     end do
   end subroutine find_loose
+
+  !> Shortest distance between nodes of the element behind face e [L].
+  pure real(wp) function edge_behind(mesh, skin, e) result(edge)
+    type(mesh_t), intent(in) :: mesh
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e
+
+    associate (s => skin%surface)
+      edge = shortest(mesh%xr(:, mesh%block(s%block(e))%conn(:, s%elem(e))))
+    end associate
+  end function edge_behind
+
+  !> Mark the nodes that belong to several bodies or to a side of a contact.
+  pure subroutine find_held(mesh, contact, held)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, allocatable, intent(out) :: held(:) !! (nnode)
+    integer :: nbody(mesh%nnode) ! number of bodies with this node
+    integer :: b, c, k
+
+    nbody = 0
+    do b = 1, size(mesh%body)
+      nbody(mesh%body(b)%node) = nbody(mesh%body(b)%node) + 1
+    end do
+    held = nbody > 1
+    do c = 1, size(contact)
+      do k = 1, 2
+        held(contact(c)%side(k)%node) = .true.
+      end do
+    end do
+  end subroutine find_held
 
   !> Does a face with one of the given nodes lie on a face of the other body somewhere? Bodies that
   !! share only an edge or a corner also have nodes on faces of each other.
