@@ -238,8 +238,6 @@ contains
     character(:), allocatable, intent(out) :: name
     real(wp), intent(out) :: value
     type(error_t), allocatable, intent(out) :: error
-    character(:), allocatable :: expression
-    integer :: i, first
     logical :: found
 
     value = 0.0_wp
@@ -258,19 +256,34 @@ contains
       call warn_of_name(deck, record)
       return
     end if
-    ! All that follows the name is one expression, which may contain blanks.
-    first = record%first(2)
-    expression = repeat(' ', record%last(record%n) - first + 1)
-    do i = 2, record%n
-      associate (from => record%first(i), to => record%last(i))
-        expression(from - first + 1:to - first + 1) = record%raw(from:to)
-      end associate
-    end do
-    call compute_at(deck%params, record, first, expression, value, error)
+    call compute_at(deck%params, record, record%first(2), expression_of(record), value, error)
     if (allocated(error)) value = 1.0_wp   ! so that later records find the name
     call set_parameter(deck%params, name, value)
     call warn_of_name(deck, record)
   end subroutine get_assignment
+
+  !> The expression of a record `name = expression`: all that follows the name. It may contain
+  !! blanks, and commas in parentheses.
+  pure function expression_of(record) result(expression)
+    type(record_t), intent(in) :: record
+    character(:), allocatable :: expression
+    integer :: depth, i
+
+    associate (first => record%first(2))
+      expression = repeat(' ', record%last(record%n) - first + 1)
+      do i = 2, record%n
+        associate (from => record%first(i), to => record%last(i))
+          expression(from - first + 1:to - first + 1) = record%raw(from:to)
+        end associate
+      end do
+      depth = 0
+      do i = 1, len(expression)
+        if (expression(i:i) == '(') depth = depth + 1
+        if (expression(i:i) == ')') depth = depth - 1
+        if (depth > 0 .and. record%raw(first + i - 1:first + i - 1) == ',') expression(i:i) = ','
+      end do
+    end associate
+  end function expression_of
 
   !> Does the expression of a record `name = expression` contain this name?
   pure logical function mentions(record, name) result(yes)

@@ -58,7 +58,14 @@ contains
     allocate (x(3*n), w(n), source=1.0_wp)
     text%at = first
     call enter(text, 'weights', tag, part)
-    if (tag > 0) call read_all(part, 'a weight', w, error)
+    if (tag > 0) then
+      call read_all(part, 'weight', w, error)
+    else if (index(attribute(text, first, 'type'), 'TensorNurbs') == 1) then
+      text%at = first
+      call fail_in_file(text, "the geometry is rational (TensorNurbs), but has no tag 'weights'", &
+                        error, 'add its weights; a spline without weights has the type ' &
+                        //'TensorBSpline'//to_text(ndir))
+    end if
     if (allocated(error)) return
     text%at = first
     call enter(text, 'coefs', tag, part)
@@ -69,7 +76,7 @@ contains
                         //quoted(attribute(text, tag, 'geoDim')), error, &
                         'points must have three coordinates')
     else
-      call read_all(part, 'a coordinate', x, error)
+      call read_all(part, 'coordinate', x, error)
     end if
     if (.not. allocated(error)) call new_nurbs(patch, dir, reshape(x, [3, n]), w)
   end subroutine read_gismo
@@ -180,17 +187,39 @@ contains
   !> Read numbers, after which this part of the file must end.
   subroutine read_all(part, what, x, error)
     type(text_t), intent(inout) :: part
-    character(*), intent(in) :: what
+    character(*), intent(in) :: what   !! one of the numbers
     real(wp), intent(out) :: x(:)
     type(error_t), allocatable, intent(out) :: error
     character(:), allocatable :: word
+    integer :: n
 
-    call next_reals(part, what, x, error)
+    n = count_words(part)
+    if (n < size(x)) then
+      call fail_in_file(part, 'expected '//to_text(size(x))//' '//what//'s, found ' &
+                        //to_text(n), error)
+      return
+    end if
+    call next_reals(part, 'a '//what, x, error)
     if (allocated(error)) return
     call next_word(part, word)
     if (len(word) > 0) call fail_in_file(part, 'expected only '//to_text(size(x)) &
                                          //' numbers, found another word: '//quoted(word), error)
   end subroutine read_all
+
+  !> Number of the words that follow.
+  integer function count_words(part) result(n)
+    type(text_t), intent(in) :: part
+    type(text_t) :: rest
+    character(:), allocatable :: word
+
+    rest = part
+    n = -1
+    do
+      n = n + 1
+      call next_word(rest, word)
+      if (len(word) == 0) exit
+    end do
+  end function count_words
 
   !> Read the next knot vector.
   subroutine read_knots(text, d, s, error)
@@ -199,8 +228,8 @@ contains
     type(spline_t), intent(out) :: s
     type(error_t), allocatable, intent(out) :: error
     type(text_t) :: part
-    character(:), allocatable :: degree, word
-    integer :: tag, status, n, first
+    character(:), allocatable :: degree
+    integer :: tag, status
 
     call enter(text, 'KnotVector', tag, part)
     if (tag == 0) then
@@ -216,16 +245,8 @@ contains
       call fail_in_file(text, quoted(degree)//' is not a valid degree for a KnotVector', error)
       return
     end if
-    first = part%at
-    n = -1
-    do
-      n = n + 1
-      call next_word(part, word)
-      if (len(word) == 0) exit
-    end do
-    part%at = first
-    allocate (s%knots(n))
-    call read_all(part, 'a knot', s%knots, error)
+    allocate (s%knots(count_words(part)))
+    call read_all(part, 'knot', s%knots, error)
   end subroutine read_knots
 
 end module format_gismo

@@ -2,7 +2,7 @@
 module patch_body
   use base_error, only: error_t
   use base_kinds, only: wp
-  use base_log, only: log_line
+  use base_log, only: log_line, warn
   use base_text, only: to_text
   use element_type, only: element_t, cell_t
   use few_points, only: warn_few_points, splines_lack_points
@@ -11,13 +11,17 @@ module patch_body
   use patch_check, only: check_patch, check_enrichment, hemisphere_degree
   use patch_draft, only: draft_t, span_t, append_draft, find_row, add_node, new_block, add_face, &
                          add_operators
-  use patch_geometry, only: geometry_t, new_geometry, greville_points
+  use patch_geometry, only: geometry_t, new_geometry, sphere_deviation, greville_points
   use patch_lagrange, only: build_lagrange
   use patch_nurbs, only: check_orientation, turn_right_handed, mirrored
-  use patch_spec, only: patch_spec_t, GEO_BOX, GEO_NURBS
+  use patch_spec, only: patch_spec_t, GEO_BOX, GEO_HEMISPHERE, GEO_NURBS
   implicit none
   private
   public :: build_body
+
+  !> Largest deviation of a hemisphere's spline from the sphere, relative to the radius, that causes
+  !! no warning.
+  real(wp), parameter :: ROUND = 0.02_wp
 
 contains
 
@@ -50,6 +54,7 @@ contains
     if (allocated(error)) return
     if (s%geometry /= GEO_BOX) call check_orientation(geo%coarse, s%name, s%place, error)
     if (allocated(error)) return
+    if (s%geometry == GEO_HEMISPHERE .and. degree > 1) call warn_not_round(s, geo, degree)
     if (s%type == 'IGA') then
       call build_iga(s, geo, draft, error)
     else if (s%type == 'RIGID') then
@@ -69,6 +74,23 @@ contains
     if (turned) call turn_faces(draft)
     call append_draft(draft, s, mesh)
   end subroutine build_body
+
+  !> Warn if a hemisphere has so few elements that its spline is far from the sphere.
+  subroutine warn_not_round(spec, geo, degree)
+    type(patch_spec_t), intent(in) :: spec
+    type(geometry_t), intent(in) :: geo
+    integer, intent(in) :: degree !! of the spline
+    real(wp) :: deviation
+
+    if (geo%sampled) return ! its nodes lie on the sphere
+    deviation = sphere_deviation(geo)
+    if (deviation <= ROUND) return
+    call warn("the surface of hemisphere '"//spec%name//"' deviates from the sphere by up to " &
+              //to_text(100*deviation, 2)//' % of the radius, because its splines of degree ' &
+              //to_text(degree)//' have only '//to_text(geo%n(1))//' x '//to_text(geo%n(2)) &
+              //' elements', spec%place, 'use more elements: the page of PATCh lists the ' &
+              //'deviation for each number of them')
+  end subroutine warn_not_round
 
   !> Change the records that name faces or knots of direction 3, so that they refer to the reversed
   !! direction.

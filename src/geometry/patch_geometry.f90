@@ -9,7 +9,7 @@ module patch_geometry
   use patch_spec, only: patch_spec_t, knot_list_t, compose, GEO_BOX, GEO_HEMISPHERE
   implicit none
   private
-  public :: geometry_t, new_geometry, point, greville_points
+  public :: geometry_t, new_geometry, sphere_deviation, point, greville_points
 
   !> The map from parameters to points.
   type :: geometry_t
@@ -141,6 +141,28 @@ contains
       x = [a/r*sin(HALF_PI*r), b/r*sin(HALF_PI*r), -cos(HALF_PI*r)]
     end if
   end function hemisphere
+
+  !> Find the largest distance between the outer surface of a hemisphere's spline and the sphere,
+  !! relative to the radius.
+  pure function sphere_deviation(geo) result(largest)
+    type(geometry_t), intent(in) :: geo
+    real(wp) :: largest
+    integer, parameter :: N = 64 ! intervals between sampling points; even, for the pole
+    real(wp) :: u(3), x(3)
+    integer :: d, i, j
+
+    largest = 0.0_wp
+    do j = 0, N
+      do i = 0, N
+        u = [real(i, wp)/N, real(j, wp)/N, 0.0_wp]
+        do d = 1, 2
+          u(d) = u(d)*geo%breaks(d)%u(geo%n(d) + 1)
+        end do
+        call evaluate(geo%coarse, u, x)
+        largest = max(largest, abs(norm2(x - geo%origin)/geo%radius - 1.0_wp))
+      end do
+    end do
+  end function sphere_deviation
 
   !> Position of the point with parameters u, after the placement.
   pure function point(geo, u) result(x)

@@ -86,7 +86,8 @@ contains
     if (allocated(error)) return
     associate (text => mesh%text)
       first = max(1, verify(text%all, ' '//achar(9)//achar(10)//achar(13)))
-      if (index(text%all(first:), '$MeshFormat') == 1) then
+      ! other sections, such as $Comments, may precede $MeshFormat
+      if (index(text%all(first:), '$') == 1 .and. index(text%all, '$MeshFormat') > 0) then
         call read_gmsh(text, mesh%file, error)
         return
       end if
