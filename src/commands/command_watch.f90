@@ -4,6 +4,7 @@ module command_watch
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: position_text, quoted, to_text
+  use basis_type, only: basis_t
   use boundary, only: place_of_number
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
@@ -14,7 +15,8 @@ module command_watch
   use force_rounding, only: warn_rounding
   use inverted_corners, only: inverted_t, find_inverted_corners
   use load_curve, only: load_factor, table_factor
-  use mesh, only: is_rigid
+  use mesh, only: block_t, is_rigid
+  use model_basis, only: tabulate_points
   use table_use, only: watch_tables, watch_tables_end
   implicit none
   private
@@ -177,22 +179,13 @@ contains
   subroutine watch_strains(run)
     type(run_t), intent(inout) :: run
     real(wp) :: largest
-    integer :: a, b, e
+    integer :: b
 
     do b = 1, size(run%model%mesh%block)
       associate (block => run%model%mesh%block(b))
         if (is_rigid(block)) cycle
         if (run%model%material(block%material)%row%finite) cycle
-        largest = 0.0_wp
-        do e = 1, block%nelem
-          associate (x => run%model%mesh%xr(:, block%conn(:, e)), &
-                     u => run%state%u(:, block%conn(:, e)))
-            do a = 2, size(x, 2)
-              if (all(abs(x(:, a) - x(:, 1)) <= 0.0_wp)) cycle
-              largest = max(largest, norm2(u(:, a) - u(:, 1))/norm2(x(:, a) - x(:, 1)))
-            end do
-          end associate
-        end do
+        largest = largest_gradient(block, run%model%mesh%xr, run%state%u)
         if (largest <= SMALL) cycle
         call warn('displacement gradients reach '//to_text(100*largest, 3)//' % in step ' &
                   //to_text(run%state%step)//', but material ' &
@@ -205,6 +198,45 @@ contains
       end associate
     end do
   end subroutine watch_strains
+
+  !> Largest ratio of the differences of displacements and of positions within an element of a
+  !! block. Elements of splines are examined at points of the body, because their control points
+  !! may move much farther than the body.
+  function largest_gradient(block, xr, u) result(largest)
+    type(block_t), intent(in) :: block
+    real(wp), intent(in) :: xr(:, :), u(:, :) !! (3, nnode) positions and displacements [L]
+    real(wp) :: largest
+    integer, parameter :: NPOINT = 27         ! 3 in each direction
+    real(wp), parameter :: SAME = 1.0e-9_wp   ! relative distance of points at one place
+    type(basis_t) :: basis
+    real(wp), allocatable :: dx(:, :), du(:, :)
+    real(wp) :: xi(3, NPOINT)
+    integer :: class, e, i
+
+    do i = 1, NPOINT
+      xi(:, i) = mod((i - 1)/[1, 3, 9], 3) - 1.0_wp
+    end do
+    largest = 0.0_wp
+    class = 0
+    do e = 1, block%nelem
+      dx = xr(:, block%conn(:, e))
+      du = u(:, block%conn(:, e))
+      if (block%row%spline) then
+        if (block%ibasis(e) /= class) then
+          class = block%ibasis(e)
+          call tabulate_points(block, e, xi, spread(1.0_wp, 1, NPOINT), basis)
+        end if
+        dx = matmul(dx, basis%shp)
+        du = matmul(du, basis%shp)
+      end if
+      dx = dx - spread(dx(:, 1), 2, size(dx, 2))
+      du = du - spread(du(:, 1), 2, size(du, 2))
+      do i = 2, size(dx, 2)
+        if (norm2(dx(:, i)) <= SAME*maxval(abs(dx))) cycle ! of a collapsed element
+        largest = max(largest, norm2(du(:, i))/norm2(dx(:, i)))
+      end do
+    end do
+  end function largest_gradient
 
   !> Warn about elements that are inside out at a corner.
   subroutine watch_corners(run)
@@ -264,7 +296,7 @@ contains
     call warn_intervals(run)
     call warn_growth(run%state)
     call warn_rounding(run%step)
-    call warn_small_patches(run%model, run%state)
+    call warn_small_patches(run%model, run%state, run%step%total%load)
     if (.not. allocated(run%plan%rubbed)) return ! no step was closed
     do c = 1, size(run%model%contact)
       associate (contact => run%model%contact(c))

@@ -27,6 +27,7 @@ module contact_patch
   real(wp), parameter :: LARGEST_SHARE = 0.5_wp !! largest touching fraction of an element
   real(wp), parameter :: SMALL = 0.5_wp       !! width of a small region, relative to an element
   real(wp), parameter :: WEAK = 0.05_wp       !! a smaller fraction of the largest force is ignored
+  real(wp), parameter :: NO_FORCE = 1.0e-9_wp !! negligible fraction of the largest load
 
 contains
 
@@ -102,16 +103,18 @@ contains
   end subroutine measure_patch
 
   !> At the end of a run, name the contacts whose region was small when their force was largest.
-  !! Contacts with small forces are left out.
-  subroutine warn_small_patches(model, state)
+  !! Contacts with small forces are left out, and so are forces that are rounding errors.
+  subroutine warn_small_patches(model, state, load)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
+    real(wp), intent(in) :: load !! largest load or reaction of the run; 0: all are rounding errors
     integer :: c
 
     do c = 1, size(model%contact)
       associate (contact => model%contact(c), now => state%contact(c))
         if (now%patch < 0.0_wp .or. now%patch >= SMALL) cycle
         if (now%largest_force < WEAK*maxval(state%contact%largest_force)) cycle
+        if (.not. now%largest_force > NO_FORCE*load .or. .not. load > 0.0_wp) cycle
         call warn("contact '"//contact%name//"': at its largest force, "// &
                   to_text(now%largest_force, 3)//', the faces touch in a region that is less ' &
                   //'than half an element wide: the pressure depends on the mesh, and so ' &

@@ -8,7 +8,7 @@ module input_joined
   use surface_basis, only: surface_functions_at
   implicit none
   private
-  public :: is_joined, is_held, differ, find_rigid_nodes
+  public :: is_joined, is_held, differ, find_rigid_nodes, meet
 
   !> Functions are equal if they differ by less than this. Knots of a deck may be rounded.
   real(wp), parameter :: EQUAL = 0.01_wp
@@ -27,6 +27,16 @@ contains
       if (.not. is_joined) is_joined = all([(any(own == other(i)), i=1, size(other))])
     end associate
   end function is_joined
+
+  !> Do two faces have a common node?
+  pure logical function meet(s, e, f)
+    type(surface_t), intent(in) :: s
+    integer, intent(in) :: e, f
+    integer :: i
+
+    meet = any([(any(s%node(s%first(e):s%first(e + 1) - 1) == s%node(i)), &
+                 i=s%first(f), s%first(f + 1) - 1)])
+  end function meet
 
   !> Do all nodes of face e belong to a rigid body? Then the face moves with it, whatever its
   !! functions are.

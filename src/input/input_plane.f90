@@ -4,6 +4,7 @@ module input_plane
   use base_kinds, only: wp
   use base_log, only: warn
   use base_text, only: to_text
+  use input_joined, only: find_rigid_nodes
   use mesh, only: mesh_t, is_rigid
   use rigid_modes, only: find_bodies
   implicit none
@@ -28,8 +29,8 @@ module input_plane
 
 contains
 
-  !> Warn if a plane selects two layers of nodes of an element, or nodes of two bodies on the two
-  !! sides of a gap.
+  !> Warn if a plane selects two layers of nodes of an element, or nodes of two bodies on its two
+  !! sides, with or without a gap between them.
   subroutine warn_plane(mesh, plane, on, new)
     type(mesh_t), intent(in) :: mesh
     type(plane_t), intent(in) :: plane
@@ -38,6 +39,7 @@ contains
 
     call warn_layers(mesh, plane, on)
     call warn_gap(mesh, plane, on, new)
+    call warn_both_sides(mesh, plane, on, new)
   end subroutine warn_plane
 
   !> Warn about an element with two layers of nodes near a plane, one behind the other along the
@@ -114,6 +116,53 @@ contains
       end do
     end do
   end subroutine warn_gap
+
+  !> Warn if bodies on the two sides of the plane touch there, and nothing joins them: the plane
+  !! selects the nodes of both. Rigid bodies do not count, since planes have no effect on them.
+  subroutine warn_both_sides(mesh, plane, on, new)
+    type(mesh_t), intent(in) :: mesh
+    type(plane_t), intent(in) :: plane
+    logical, intent(in) :: on(:)            !! (nnode)
+    integer, intent(in), optional :: new(:) !! (nnode)
+    integer, allocatable :: piece(:), rigid(:)
+    real(wp), allocatable :: first(:), last(:) ! (npiece) extents of each piece along the normal
+    real(wp), allocatable :: low(:, :), high(:, :) ! (3, npiece) extents of its selected nodes
+    real(wp) :: least
+    integer :: i, j, n
+
+    if (.not. any(on)) return
+    associate (x => mesh%xr, d => plane%direction)
+      least = APART*(maxval(x(d, :)) - minval(x(d, :)))
+      if (maxval(x(d, :), on) - minval(x(d, :), on) > least) return ! see warn_gap
+      if (maxval(x(d, :), mesh%used) <= maxval(x(d, :), on) + least) return ! an end of the mesh
+      if (minval(x(d, :), mesh%used) >= minval(x(d, :), on) - least) return
+      call find_separate(mesh, piece, new)
+      if (maxval(piece) < 2) return
+      call find_rigid_nodes(mesh, rigid)
+      allocate (first(maxval(piece)), low(3, maxval(piece)), source=huge(least))
+      allocate (last(maxval(piece)), high(3, maxval(piece)), source=-huge(least))
+      do n = 1, mesh%nnode
+        i = piece(n)
+        if (i == 0) cycle
+        first(i) = min(first(i), x(d, n))
+        last(i) = max(last(i), x(d, n))
+        if (.not. on(n) .or. rigid(n) > 0) cycle
+        low(:, i) = min(low(:, i), x(:, n))
+        high(:, i) = max(high(:, i), x(:, n))
+      end do
+      do i = 1, size(first)
+        if (last(i) - high(d, i) > least .or. low(d, i) - first(i) <= least) cycle ! not below
+        do j = 1, size(first)
+          if (low(d, j) - first(j) > least .or. last(j) - high(d, j) <= least) cycle ! not above
+          if (count(min(high(:, i), high(:, j)) - max(low(:, i), low(:, j)) > least) < 2) cycle
+          call warn('the plane selects the nodes of two bodies, one on each side of it, which ' &
+                    //'touch there and are not joined', plane%place, 'if only one of them is ' &
+                    //'meant, name its face, as FIX, MOVE, PRESsure and CURVe can')
+          return
+        end do
+      end do
+    end associate
+  end subroutine warn_both_sides
 
   !> Number the bodies that share no nodes after TIE; nodes of no element have the number 0.
   subroutine find_separate(mesh, piece, new)

@@ -12,7 +12,7 @@ module input_touching
   use contact_surface, only: gather_faces
   use input_constraint, only: named
   use input_draft, only: draft_t
-  use input_joined, only: is_joined, is_held, differ, find_rigid_nodes
+  use input_joined, only: is_joined, is_held, differ, find_rigid_nodes, meet
   use input_skin, only: body_name
   use mesh, only: mesh_t, is_rigid
   use mesh_boundary, only: find_outer_faces
@@ -62,6 +62,7 @@ module input_touching
     real(wp) :: unlike(2) = 0.0_wp     !! area of each body with common nodes that join it to
     !! the other one only in part [L^2]
     integer :: unlike_face(2) = 0      !! two faces there; the second one may be rigid
+    logical :: meets = .false.         !! single control points join the areas that touch
   end type pair_t
 
 contains
@@ -136,8 +137,8 @@ contains
                   //trim(mesh%block(s%block(e))%name)//' and ' &
                   //trim(mesh%block(s%block(f))%name)//', differ', &
                   place_of(draft, mesh, skin, pair), 'the bodies come apart between these nodes, ' &
-                  //'and the results are wrong: use elements of one type, or CONTact with ' &
-                  //'COHEsive instead of TIE')
+                  //'and the results are wrong: use elements of one type on meshes that ' &
+                  //'match, or CONTact with COHEsive instead of TIE')
       end if
     end associate
   end subroutine warn_unlike
@@ -386,6 +387,9 @@ contains
         end do
       end do
     end associate
+    do p = 1, npair
+      if (pair(p)%meets) call count_met(pair(p))
+    end do
 
   contains
 
@@ -398,8 +402,11 @@ contains
       equal = TOUCHING*min(skin%width(e), skin%width(f))
       pair%near(k) = pair%near(k) + norm2(area)
       pair%overlaps = pair%overlaps .or. gap < -equal
-      if (abs(gap) > equal) return
-      pair%area(k) = pair%area(k) + norm2(area)
+      if (abs(gap) <= equal) pair%area(k) = pair%area(k) + norm2(area)
+      if (skin%body(e) == skin%body(f) .or. .not. (skin%spline(e) .or. skin%spline(f))) return
+      if (.not. meet(skin%surface, e, f)) return
+      pair%meets = .true.
+      call note_faces(k, pair)
     end subroutine count_point
 
     !> Count a point of side k between common nodes.
@@ -408,9 +415,26 @@ contains
       type(pair_t), intent(inout) :: pair
 
       pair%unlike(k) = pair%unlike(k) + norm2(area)
+      call note_faces(k, pair)
+    end subroutine count_unlike
+
+    !> Keep the first faces with common nodes that join them only in part.
+    subroutine note_faces(k, pair)
+      integer, intent(in) :: k
+      type(pair_t), intent(inout) :: pair
+
       if (pair%unlike_face(1) > 0) return
       pair%unlike_face = merge([e, f], [f, e], skin%rigid(f) .or. k == 1 .and. .not. skin%rigid(e))
-    end subroutine count_unlike
+    end subroutine note_faces
+
+    !> Count the areas that touch among those that common nodes join in part.
+    subroutine count_met(pair)
+      type(pair_t), intent(inout) :: pair
+
+      pair%unlike = pair%unlike + area_of(pair)
+      pair%area = 0.0_wp
+      pair%overlaps = .false.
+    end subroutine count_met
 
   end subroutine find_pairs
 
