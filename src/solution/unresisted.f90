@@ -65,7 +65,8 @@ contains
     end do
   end function free_displacement
 
-  !> The largest force of the contacts of a body over all steps [F].
+  !> The largest force of the contacts of a body over all steps [F]; huge if the body takes part in
+  !! a self-contact, where action and reaction cancel in the sum.
   pure real(wp) function contact_force(model, state, node) result(force)
     type(model_t), intent(in) :: model
     type(state_t), intent(in) :: state
@@ -80,6 +81,7 @@ contains
       do k = 1, 2
         if (.not. any(inside(model%contact(c)%side(k)%node))) cycle
         force = max(force, state%contact(c)%largest_force)
+        if (model%contact(c)%self) force = huge(force)
       end do
     end do
   end function contact_force
