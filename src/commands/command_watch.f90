@@ -6,6 +6,7 @@ module command_watch
   use base_text, only: position_text, quoted, to_text
   use basis_type, only: basis_t
   use boundary, only: place_of_number
+  use command_turns, only: watch_turns, watch_turned
   use command_type, only: run_t
   use contact_assembly, only: friction_acts
   use contact_patch, only: warn_small_patches
@@ -22,8 +23,6 @@ module command_watch
   private
   public :: watch_step, watch_end
 
-  real(wp), parameter :: HALF_TURN = 180.0_wp, DEGREE = acos(-1.0_wp)/180.0_wp
-  real(wp), parameter :: TURNED = sqrt(2.0e-3_wp) !! angle that causes false strains of 1e-3 [rad]
   real(wp), parameter :: SMALL = 0.1_wp !! largest displacement gradient of small strains
 
 contains
@@ -41,78 +40,13 @@ contains
         if (friction_acts(contact(c), run%state)) run%plan%rubbed(c) = .true.
       end do
     end associate
-    if (.not. run%plan%turn_warned) call watch_rotations(run)
+    if (.not. run%plan%turn_warned) call watch_turns(run)
     if (.not. run%plan%strain_warned) call watch_turned(run)
     if (.not. run%plan%strain_warned) call watch_strains(run)
     if (run%state%step == 1) call watch_start(run)
     if (.not. run%plan%inverted_warned) call watch_corners(run)
     call watch_tables(run)
   end subroutine watch_step
-
-  !> Warn about a MOVE that rotates by half a turn or more in one step. Displacements depend only on
-  !! the position at the end of the rotation, so a full turn moves nothing.
-  subroutine watch_rotations(run)
-    type(run_t), intent(inout) :: run
-    real(wp) :: before(size(run%state%table)), angle, factor, start
-    integer :: i
-
-    associate (state => run%state)
-      do i = 1, size(before)
-        before(i) = 0.0_wp
-        if (state%dt > 0.0_wp) before(i) = table_factor(state%table(i), run%plan%closed_at)
-      end do
-      do i = 1, size(run%model%bc%motion)
-        associate (motion => run%model%bc%motion(i))
-          if (.not. motion%rotates) cycle
-          factor = load_factor(state%factor, motion%table)
-          start = load_factor(before, motion%table)
-          if (size(before) == 0) start = merge(0.0_wp, factor, state%step == 1)
-          angle = abs(motion%angle*(factor - start))/DEGREE
-          if (angle < HALF_TURN*(1.0_wp - 1.0e-9_wp)) cycle
-          call warn('MOVE turns by '//to_text(angle, 5)//' degrees in step '//to_text(state%step), &
-                    motion%place, 'only the positions at the ends of steps matter, not the way ' &
-                    //'between them: turn by less than 180 degrees in each step, preferably by ' &
-                    //'about 10')
-          run%plan%turn_warned = .true.
-        end associate
-      end do
-    end associate
-  end subroutine watch_rotations
-
-  !> Warn if MOVE turns a body of small strains so far that the rotation itself causes stresses.
-  subroutine watch_turned(run)
-    type(run_t), intent(inout) :: run
-    logical :: moves(run%model%mesh%nnode) ! nodes of a motion
-    real(wp) :: angle
-    integer :: b, e, i
-
-    do i = 1, size(run%model%bc%motion)
-      associate (motion => run%model%bc%motion(i))
-        if (.not. motion%rotates) cycle
-        angle = abs(motion%angle*load_factor(run%state%factor, motion%table))
-        if (angle <= TURNED) cycle
-        moves = .false.
-        moves(motion%node) = .true.
-        do b = 1, size(run%model%mesh%block)
-          associate (block => run%model%mesh%block(b))
-            if (is_rigid(block)) cycle
-            associate (material => run%model%material(block%material))
-              if (material%row%finite) cycle
-              if (.not. any([(any(moves(block%conn(:, e))), e=1, block%nelem)])) cycle
-              call warn('MOVE turns a body of material '//to_text(material%number)//' by ' &
-                        //to_text(angle/DEGREE, 3)//' degrees in step ' &
-                        //to_text(run%state%step)//', but this material is for small strains ' &
-                        //'(SMALl): without any deformation, the rotation causes strains of ' &
-                        //to_text(1.0_wp - cos(angle), 2), motion%place, 'use NEOHook with ' &
-                        //'FINIte, for which a rotation causes no stress')
-              run%plan%strain_warned = .true.
-              return
-            end associate
-          end associate
-        end do
-      end associate
-    end do
-  end subroutine watch_turned
 
   !> After the first step of a motion computed by NEWMark or HHT: warn about prescribed
   !! displacements that are not 0 at its start, so that their velocity is infinite.
