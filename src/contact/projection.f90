@@ -83,7 +83,7 @@ contains
     if (elem >= 1 .and. elem <= surface%nelem) then
       xi = max(-1.0_wp, min(1.0_wp, foot%xi))
       call evaluate(surface, shape, elem, xi, x, first)
-      call minimise(surface, shape, x, first, ending, edge, changes)
+      call minimise(surface, shape, x, .false., first, ending, edge, changes)
       if (ending >= SMOOTH .and. changes < FAR_AWAY .and. first%f <= far**2) then
         call set_foot(surface, shape, x, first, ending, edge, foot)
         return
@@ -92,7 +92,7 @@ contains
     call nearest_start(grid, x, elem, xi)
     if (elem == 0) return
     call evaluate(surface, shape, elem, xi, x, second)
-    call minimise(surface, shape, x, second, ending_2, edge_2, changes)
+    call minimise(surface, shape, x, .false., second, ending_2, edge_2, changes)
     if (ending_2 >= SMOOTH .and. (ending < SMOOTH .or. second%f < first%f)) then
       call set_foot(surface, shape, x, second, ending_2, edge_2, foot)
     else if (ending >= SMOOTH) then
@@ -106,14 +106,17 @@ contains
 
   !> Project the point x onto the part of a surface on which foot%elem and foot%xi lie. The search
   !! starts only there, so the projection is a local minimum of the distance. There is no projection
-  !! (element 0) if the search ends at the outer boundary or fails.
-  pure subroutine project_from(surface, shape, x, foot)
+  !! (element 0) if the search ends at the outer boundary or fails. If `stays` is true, the search
+  !! does not leave the element.
+  pure subroutine project_from(surface, shape, x, foot, stays)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
     type(foot_t), intent(inout) :: foot
+    logical, intent(in), optional :: stays
     type(iterate_t) :: iterate
     integer :: elem, ending, changes, edge(2)
+    logical :: within
 
     elem = foot%elem
     foot%elem = 0
@@ -122,7 +125,9 @@ contains
     if (elem < 1 .or. elem > surface%nelem) return
     if (.not. all(abs(x) < 0.5_wp*sqrt(huge(1.0_wp)))) return
     call evaluate(surface, shape, elem, max(-1.0_wp, min(1.0_wp, foot%xi)), x, iterate)
-    call minimise(surface, shape, x, iterate, ending, edge, changes)
+    within = .false.
+    if (present(stays)) within = stays
+    call minimise(surface, shape, x, within, iterate, ending, edge, changes)
     if (ending >= SMOOTH) then
       call set_foot(surface, shape, x, iterate, ending, edge, foot)
     else if (ending == OUTER) then
@@ -133,27 +138,29 @@ contains
   end subroutine project_from
 
   !> Minimise the distance, starting from an iterate.
-  pure subroutine minimise(surface, shape, x, iterate, ending, edge, changes)
+  pure subroutine minimise(surface, shape, x, stays, iterate, ending, edge, changes)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     real(wp), intent(in) :: x(3)
+    logical, intent(in) :: stays       !! do not leave the element
     type(iterate_t), intent(inout) :: iterate
     integer, intent(out) :: ending
     integer, intent(out) :: edge(2)    !! active bounds; 0: none
     integer, intent(out) :: changes    !! number of changes of the element
     real(wp) :: d(2), push(2), size, last
     integer :: i, side, step, idle
-    logical :: moved, definite, squares
+    logical :: moved, definite, squares, leaves
 
     ending = LOST
-    call leave_vertex(surface, shape, x, iterate)
+    if (.not. stays) call leave_vertex(surface, shape, x, iterate)
     idle = 0
     changes = 0
     last = huge(1.0_wp)
     do step = 1, MOST_STEPS
       if (.not. iterate%regular) return
       call find_active(iterate, edge, push)
-      if (idle < MOST_CHANGES) then
+      leaves = idle < MOST_CHANGES .and. .not. stays
+      if (leaves) then
         call change_element(surface, shape, x, edge, iterate, moved)
         if (moved) then
           call count_change(idle, changes)
@@ -162,7 +169,7 @@ contains
       end if
       call find_step(iterate, edge > 0, d, definite, squares)
       side = vertex_ahead(surface, iterate, d)
-      if (side > 0 .and. idle < MOST_CHANGES) then
+      if (side > 0 .and. leaves) then
         call try_ring(surface, shape, x, iterate, moved)
         if (moved) then
           call count_change(idle, changes)
@@ -180,7 +187,7 @@ contains
         end if
       end if
       size = max(abs(d(1)), abs(d(2)))
-      if (size < LAST_STEP .and. idle < MOST_CHANGES) then
+      if (size < LAST_STEP .and. leaves) then
         call leave_edge(surface, shape, x, edge, iterate, moved)
         if (moved) then
           call count_change(idle, changes)

@@ -100,14 +100,22 @@ contains
     type(foot_t), intent(inout) :: foot
     !> The point and its projection are on opposite faces, and the point is not deeper than DEPTh.
     logical, intent(out), optional :: through
+    type(foot_t) :: start
     real(wp) :: x(3), n(3)
     logical :: touches
 
     if (present(through)) through = .false.
     call place(contact%side(1), shape, e, xi, x, n)
+    start = foot
     call project_from(contact%side(1), shape, x, foot)
     if (foot%elem == 0) return
     touches = foot%elem /= e .and. dot_product(n, foot%n) < FACING
+    if (.not. touches) then ! the search may have left the facing part over an edge of the body
+      call project_from(contact%side(1), shape, x, start, stays=.true.)
+      touches = start%elem > 0 .and. start%elem /= e .and. all(start%free)
+      if (touches) touches = dot_product(n, start%n) < FACING
+      if (touches) foot = start
+    end if
     if (touches .and. foot%gap < 0.0_wp) then
       touches = .not. is_opposite(contact, reference, e, xi, foot)
       if (present(through)) through = .not. touches .and. foot%gap >= -contact%depth
