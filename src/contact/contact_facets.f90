@@ -35,6 +35,7 @@ module contact_facets
     real(wp), allocatable :: uneven(:)
     real(wp) :: size = 0.0_wp               !! size of the largest box [L]
     real(wp) :: least = huge(1.0_wp)        !! size of the smallest box [L]
+    real(wp) :: bulge = 0.0_wp              !! largest distance of the surface from its facets [L]
     !> Buckets along the longest axis of the surface, for the search.
     integer :: axis = 1
     real(wp) :: span(2) = 0.0_wp            !! range of `low` along the axis [L]
@@ -49,6 +50,7 @@ contains
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     type(facets_t), intent(out) :: facets
+    real(wp) :: bulge
     integer :: e, i, j, m, n, total
     integer :: division(surface%nelem)
 
@@ -69,7 +71,8 @@ contains
           facets%from(:, n) = real(2*[i - 1, j - 1], wp)/m - 1.0_wp
           facets%to(:, n) = real(2*[i, j], wp)/m - 1.0_wp
           call place_facet(surface, shape, e, facets%from(:, n), facets%to(:, n), &
-                           facets%x(:, :, n), facets%normal(:, n), facets%uneven(n))
+                           facets%x(:, :, n), facets%normal(:, n), facets%uneven(n), bulge)
+          facets%bulge = max(facets%bulge, bulge)
           facets%low(:, n) = minval(facets%x(:, :, n), 2)
           facets%high(:, n) = maxval(facets%x(:, :, n), 2)
           facets%size = max(facets%size, maxval(facets%high(:, n) - facets%low(:, n)))
@@ -82,13 +85,13 @@ contains
   end subroutine divide_surface
 
   !> Corners, normal and unevenness of the part of an element between the parameters `from` and
-  !! `to`.
-  pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven)
+  !! `to`, and the distance of its middle from the plane of the facet.
+  pure subroutine place_facet(surface, shape, e, from, to, x, normal, uneven, bulge)
     type(surface_t), intent(in) :: surface
     type(shape_t), intent(in) :: shape
     integer, intent(in) :: e
     real(wp), intent(in) :: from(2), to(2)
-    real(wp), intent(out) :: x(3, 4), normal(3), uneven
+    real(wp), intent(out) :: x(3, 4), normal(3), uneven, bulge
     real(wp) :: y(3), a(3, 2), middle(3, 2), at(2, 4)
     integer :: c, flat
 
@@ -102,6 +105,7 @@ contains
     end do
     normal = cross(x(:, 3) - x(:, 1), x(:, 4) - x(:, 2))
     normal = normal/max(norm2(normal), tiny(1.0_wp))
+    bulge = abs(dot_product(y - sum(x, 2)/4, normal))
   end subroutine place_facet
 
   !> Change of the tangents relative to those in the middle, as components along the tangents in the

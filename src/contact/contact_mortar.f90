@@ -63,6 +63,8 @@ module contact_mortar
   !> The same with friction, including cuts after increments that are smaller than DECREASES times
   !! the smallest one before, which do not count in MOST_CUTS.
   integer, parameter :: MOST_SLOW_CUTS = 12
+  !> Facets may touch up to this multiple of the distances between surfaces and their facets.
+  real(wp), parameter :: BEYOND = 1.5_wp
   real(wp), parameter :: DECREASES = 0.7_wp
   !> A point of a surface moves at most this many times as far as the nodes, because shape functions
   !! may be negative.
@@ -352,12 +354,14 @@ contains
     call cut_both(mortar, contact, shape)
   end subroutine cut_again
 
-  !> Cut the cells of both sides.
+  !> Cut the cells of both sides. Facets that touch are closer than the smallest facet of one of the
+  !! sides; a strongly curved surface may touch where its facets are farther away.
   subroutine cut_both(mortar, contact, shape)
     type(mortar_t), intent(inout) :: mortar
     type(contact_t), intent(in) :: contact
     type(shape_t), intent(in) :: shape(2)
     type(facets_t) :: facets(2)
+    real(wp) :: reach
     integer :: k
 
     mortar%travel = 0.0_wp                   ! motion is counted from this cut
@@ -366,10 +370,10 @@ contains
     end do
     if (contact%self) facets(2) = facets(1)
     mortar%least = min(facets(1)%least, facets(2)%least)
+    reach = max(facets(1)%least, facets(2)%least, BEYOND*(facets(1)%bulge + facets(2)%bulge))
     do k = 1, 2
       if (.not. is_integrated(contact, k)) cycle
-      call cut_cells(contact, k, shape, mortar%reference(k), facets, &
-                     max(facets(1)%least, facets(2)%least), mortar%side(k)%cells)
+      call cut_cells(contact, k, shape, mortar%reference(k), facets, reach, mortar%side(k)%cells)
       call new_points(contact, k, mortar%side(k))
     end do
   end subroutine cut_both
