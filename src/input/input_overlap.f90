@@ -4,8 +4,10 @@
 !!
 !! Points of the outer elements of one body are projected onto the outer faces of the other one.
 !! Flat elements of curved surfaces that just touch overlap a little, so small overlaps are ignored.
-!! Overlaps between two groups that each consist of several joined bodies are ignored too, because a
-!! deck may contain several independent models. Rigid bodies that overlap each other are ignored.
+!! At the start, overlaps between two groups that each consist of several joined bodies are ignored
+!! too, because a deck may contain several independent models. At the end, bodies must not overlap
+!! even if a contact acts between some of their faces; only bonds and common nodes join them. Rigid
+!! bodies that overlap each other are ignored.
 module input_overlap
   use base_kinds, only: wp
   use base_log, only: warn
@@ -18,14 +20,22 @@ module input_overlap
   use projection, only: project
   use projection_type, only: foot_t
   use surface_geometry, only: surface_point
+  use tensor, only: cross
   implicit none
   private
   public :: warn_overlaps, warn_crossed, find_centre
 
-  !> A point is inside another body if its depth exceeds this fraction of the widths of both faces:
-  !! that of the point, and the nearest one of the other body. The faces of rigid bodies have the
-  !! exact shape, so their widths do not matter, but they may be as large as the body.
+  !> A point is inside another body if its depth exceeds this fraction of the sizes of both faces:
+  !! that of the point, and the nearest one of the other body. The size is the width of the face or
+  !! the thickness of its element, whichever is smaller; in a plate of wide elements, no point is
+  !! deeper than half of its thickness. If a contact between the bodies has closed, it is the width,
+  !! because the faces of curved thin bodies that touch overlap a little. The faces of rigid bodies
+  !! have the exact shape, so their sizes do not matter, but they may be as large as the body.
   real(wp), parameter :: DEEP = 0.3_wp
+  !> Flat faces of a curved surface overlap the surface by about an eighth of their width times the
+  !! angle between them, more at their corners; smaller depths than this fraction do not count.
+  real(wp), parameter :: BULGE = 0.25_wp
+  real(wp), parameter :: SMOOTH = 0.5_wp !! cosine of a larger angle: the edge of a body
   integer, parameter :: INTERVALS = 2       !! number of intervals of an edge of a face
   integer, parameter :: RIGID_INTERVALS = 8 !! the same for a rigid body
   integer, parameter :: MOST_PAIRS = 5  !! largest number of pairs that are named
@@ -42,48 +52,55 @@ contains
     real(wp), allocatable :: x(:, :, :)
     integer :: i
 
-    call find_overlaps(mesh, contact, [(.true., i=1, size(contact))], told, overlap, x)
-    call warn_pairs(mesh, overlap, x, 'at the start', 'check their positions and sizes; bodies ' &
-                    //'that touch act on each other only through CONTact or TIE')
+    call find_overlaps(mesh, contact, [(.true., i=1, size(contact))], &
+                       [(.false., i=1, size(contact))], .false., told, overlap, x)
+    call warn_pairs(mesh, overlap, x, 'at the start', 'and nothing joins them, so they do not ' &
+                    //'act on each other', 'check their positions and sizes; bodies that touch ' &
+                    //'act on each other only through CONTact or TIE')
   end subroutine warn_overlaps
 
   !> At the end of a run, warn about each pair of bodies that have moved into each other although
-  !! they did not overlap at the start, unless a contact that has acted or common nodes join them. A
-  !! contact that has never closed may name other faces than those that meet.
+  !! they did not overlap at the start, unless bonds or common nodes join them. A contact may name
+  !! other faces than those that meet.
   subroutine warn_crossed(mesh, contact, acted, x)
     type(mesh_t), intent(inout) :: mesh    !! unchanged on return
     type(contact_t), intent(in) :: contact(:)
     logical, intent(in) :: acted(:)        !! (size(contact)) the contact has closed in some step
     real(wp), intent(in) :: x(:, :)        !! (3, nnode) current positions [L]
     logical, allocatable :: overlap(:, :), before(:, :)
-    logical :: none(size(mesh%body), size(mesh%body))
+    logical :: none(size(mesh%body), size(mesh%body)), bonded(size(contact))
     real(wp), allocatable :: at(:, :, :), unused(:, :, :), xr(:, :)
 
     if (.not. allocated(mesh%xr) .or. size(mesh%body) == 0) return
     none = .false.
+    bonded = contact%cohesive%given
     xr = mesh%xr
     mesh%xr = x
-    call find_overlaps(mesh, contact, acted, none, overlap, at)
+    call find_overlaps(mesh, contact, bonded, acted, .true., none, overlap, at)
     mesh%xr = xr
     if (.not. any(overlap)) return
-    call find_overlaps(mesh, contact, acted, none, before, unused)
-    call warn_pairs(mesh, overlap .and. .not. before, at, 'at the end', 'bodies act on each ' &
-                    //'other only through CONTact or TIE: name the faces that meet in a CONTact')
+    call find_overlaps(mesh, contact, bonded, acted, .true., none, before, unused)
+    call warn_pairs(mesh, overlap .and. .not. before, at, 'at the end', 'where nothing makes ' &
+                    //'them act on each other', 'bodies act on each other only through ' &
+                    //'CONTact or TIE: name all faces that meet in a CONTact')
   end subroutine warn_crossed
 
   !> Find the pairs of bodies that overlap and that nothing joins.
-  subroutine find_overlaps(mesh, contact, acts, told, overlap, x)
+  subroutine find_overlaps(mesh, contact, joins, acted, groups, told, overlap, x)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
-    logical, intent(in) :: acts(:)         !! (size(contact)) contacts that join bodies
+    logical, intent(in) :: joins(:)        !! (size(contact)) contacts that join bodies
+    logical, intent(in) :: acted(:)        !! (size(contact)) contacts that have closed
+    logical, intent(in) :: groups          !! examine groups of joined bodies, too
     logical, intent(in) :: told(:, :)      !! (nbody, nbody) pairs that are not examined
     logical, allocatable, intent(out) :: overlap(:, :) !! (0:nbody, 0:nbody) pairs a < b
     real(wp), allocatable, intent(out) :: x(:, :, :)   !! (3, 0:nbody, 0:nbody) a common point [L]
     type(skin_t), allocatable :: skin(:)
+    logical :: thin
     integer :: a, b, nbody
 
     nbody = size(mesh%body)
-    call find_candidates(mesh, contact, acts, told, overlap)
+    call find_candidates(mesh, contact, joins, groups, told, overlap)
     allocate (x(3, 0:nbody, 0:nbody), source=0.0_wp)
     if (.not. any(overlap)) return
     allocate (skin(0:nbody))
@@ -95,20 +112,39 @@ contains
         if (.not. overlap(a, b)) cycle
         overlap(a, b) = skin(a)%exists .and. skin(b)%exists
         if (.not. overlap(a, b)) cycle
-        call find_deep_point(mesh, skin(a), skin(b), b, x(:, a, b), overlap(a, b))
+        thin = .not. in_contact(mesh, contact, acted, a, b)
+        call find_deep_point(mesh, skin(a), skin(b), b, thin, x(:, a, b), overlap(a, b))
         if (.not. overlap(a, b)) then
-          call find_deep_point(mesh, skin(b), skin(a), a, x(:, a, b), overlap(a, b))
+          call find_deep_point(mesh, skin(b), skin(a), a, thin, x(:, a, b), overlap(a, b))
         end if
       end do
     end do
   end subroutine find_overlaps
 
+  !> Does a contact that has closed name faces of both bodies?
+  pure logical function in_contact(mesh, contact, acted, a, b) result(yes)
+    type(mesh_t), intent(in) :: mesh
+    type(contact_t), intent(in) :: contact(:)
+    logical, intent(in) :: acted(:)
+    integer, intent(in) :: a, b
+    integer :: c, k
+
+    yes = .false.
+    do c = 1, size(contact)
+      if (.not. acted(c)) cycle
+      do k = 1, 2
+        yes = yes .or. (any(mesh%block(contact(c)%side(k)%block)%body == a) .and. &
+                        any(mesh%block(contact(c)%side(3 - k)%block)%body == b))
+      end do
+    end do
+  end function in_contact
+
   !> Name the first pairs of bodies that overlap, and the number of the others.
-  subroutine warn_pairs(mesh, overlap, x, when, hint)
+  subroutine warn_pairs(mesh, overlap, x, when, why, hint)
     type(mesh_t), intent(in) :: mesh
     logical, intent(in) :: overlap(0:, 0:)
     real(wp), intent(in) :: x(:, 0:, 0:)   !! (3, 0:nbody, 0:nbody) a common point [L]
-    character(*), intent(in) :: when, hint
+    character(*), intent(in) :: when, why, hint
     integer :: a, b, n
 
     n = 0
@@ -118,8 +154,7 @@ contains
         n = n + 1
         if (n > MOST_PAIRS) cycle
         call warn(body_name(mesh, a)//' and '//body_name(mesh, b)//' overlap '//when//', for ' &
-                  //'example at '//position_text(x(:, a, b))//', and nothing joins them, so they ' &
-                  //'do not act on each other', mesh%body(b)%place, hint)
+                  //'example at '//position_text(x(:, a, b))//', '//why, mesh%body(b)%place, hint)
       end do
     end do
     if (n > MOST_PAIRS) call warn(to_text(n - MOST_PAIRS)//' more pairs of bodies overlap '//when)
@@ -127,10 +162,11 @@ contains
 
   !> Mark the pairs of bodies whose boxes overlap, of which at least one deforms, and that nothing
   !! joins.
-  subroutine find_candidates(mesh, contact, acts, told, may)
+  subroutine find_candidates(mesh, contact, joins, groups, told, may)
     type(mesh_t), intent(in) :: mesh
     type(contact_t), intent(in) :: contact(:)
-    logical, intent(in) :: acts(:)
+    logical, intent(in) :: joins(:)
+    logical, intent(in) :: groups
     logical, intent(in) :: told(:, :)
     logical, allocatable, intent(out) :: may(:, :) !! (0:nbody, 0:nbody) pairs a < b
     integer, allocatable :: owner(:) ! (nnode) first body of a node; -1: none
@@ -183,7 +219,7 @@ contains
       end do
     end associate
     do c = 1, size(contact)
-      if (.not. acts(c)) cycle
+      if (.not. joins(c)) cycle
       allocate (on(0:size(mesh%body), 2), source=.false.)
       do k = 1, 2
         on(mesh%block(contact(c)%side(k)%block)%body, k) = .true.
@@ -195,6 +231,7 @@ contains
       end do
       deallocate (on)
     end do
+    if (groups) return
     do a = 0, size(mesh%body)
       do b = a + 1, size(mesh%body)
         if (group(a) == group(b)) cycle
@@ -215,10 +252,11 @@ contains
   end subroutine find_candidates
 
   !> Find a point of one body that lies deep inside another one.
-  subroutine find_deep_point(mesh, own, other, body, x, found)
+  subroutine find_deep_point(mesh, own, other, body, thin, x, found)
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(in) :: own, other
     integer, intent(in) :: body            !! the other body
+    logical, intent(in) :: thin            !! the thickness of elements counts
     real(wp), intent(out) :: x(3)          !! [L]
     logical, intent(out) :: found
     type(foot_t) :: foot
@@ -228,7 +266,7 @@ contains
     found = .true.
     associate (s => own%surface)
       do e = 1, s%nelem
-        width = least_depth(mesh, own, e)
+        width = least_depth(mesh, own, e, thin)
         m = merge(RIGID_INTERVALS, INTERVALS, is_rigid(mesh%block(s%block(e))))
         do i = 0, (m + 1)**2
           if (i < (m + 1)**2) then
@@ -242,7 +280,7 @@ contains
           call project(other%surface, other%shape, other%grid, x, foot)
           if (foot%elem == 0) cycle
           if (foot%gap > -width) cycle
-          if (foot%gap > -least_depth(mesh, other, foot%elem)) cycle
+          if (foot%gap > -least_depth(mesh, other, foot%elem, thin)) cycle
           call locate_point(mesh, body, x, block, elem, xi)
           if (block > 0) return
         end do
@@ -252,14 +290,53 @@ contains
   end subroutine find_deep_point
 
   !> Depth from which on a point counts as inside, as far as it depends on face e of one body [L].
-  pure real(wp) function least_depth(mesh, skin, e) result(depth)
+  real(wp) function least_depth(mesh, skin, e, thin) result(depth)
     type(mesh_t), intent(in) :: mesh
     type(skin_t), intent(in) :: skin
     integer, intent(in) :: e
+    logical, intent(in) :: thin
+    real(wp) :: centre(3), x(3), n(3)
 
     depth = 0.0_wp
-    if (.not. is_rigid(mesh%block(skin%surface%block(e)))) depth = DEEP*face_width(skin, e)
+    associate (s => skin%surface)
+      if (is_rigid(mesh%block(s%block(e)))) return
+      depth = DEEP*face_width(skin, e)
+      if (.not. thin) return
+      call middle_of(skin, e, x, n)
+      call find_centre(mesh, s%block(e), s%elem(e), centre)
+      depth = min(depth, max(DEEP*2*norm2(centre - x), BULGE*face_width(skin, e)*bend(skin, e)))
+    end associate
   end function least_depth
+
+  !> Largest angle between a face and its neighbours, apart from those beyond an edge of the body
+  !! [rad].
+  pure real(wp) function bend(skin, e) result(angle)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e
+    real(wp) :: x(3), n(3), m(3), cosine
+    integer :: k
+
+    angle = 0.0_wp
+    call middle_of(skin, e, x, n)
+    do k = 1, 4
+      if (skin%surface%neighbour(k, e) == 0) cycle
+      call middle_of(skin, skin%surface%neighbour(k, e), x, m)
+      cosine = dot_product(n, m)
+      if (cosine > SMOOTH) angle = max(angle, acos(min(1.0_wp, cosine)))
+    end do
+  end function bend
+
+  !> Middle of a face and the unit normal there.
+  pure subroutine middle_of(skin, e, x, n)
+    type(skin_t), intent(in) :: skin
+    integer, intent(in) :: e
+    real(wp), intent(out) :: x(3), n(3)
+    real(wp) :: a(3, 2), b(3, 3)
+
+    call surface_point(skin%surface, skin%shape, e, [0.0_wp, 0.0_wp], x, a, b)
+    n = cross(a(:, 1), a(:, 2))
+    n = n/max(norm2(n), tiny(1.0_wp))
+  end subroutine middle_of
 
   !> Find the point of an element at which the parent coordinates are 0.
   subroutine find_centre(mesh, b, e, x)

@@ -20,6 +20,7 @@ module run
   use command_watch, only: watch_end
   use deck_stream, only: open_deck, check_settings, warn_of_comma, deck_text
   use dof_map, only: number_equations
+  use input_inside, only: warn_moved_inside
   use input_model, only: build_model
   use input_overlap, only: warn_crossed
   use solution_state, only: new_state
@@ -107,8 +108,10 @@ contains
                 //'before it', hint='in a loop, TIME comes before TANG,,1 or UTAN,,1')
     end if
     call warn_soft_penalty(job%model, job%state)
-    call warn_crossed(job%model%mesh, job%model%contact, job%state%contact%touched .or. &
-                      job%model%contact%cohesive%given, job%model%mesh%xr + job%state%u)
+    call warn_crossed(job%model%mesh, job%model%contact, job%state%contact%touched, &
+                      job%model%mesh%xr + job%state%u)
+    call warn_moved_inside(job%model%mesh, job%model%contact, job%state%contact%touched .or. &
+                           job%model%contact%cohesive%given, job%model%mesh%xr + job%state%u)
     call note_missed(job%model, job%state)
     call warn_unresisted(job%model, job%state)
     if (job%step%total%unconverged) then

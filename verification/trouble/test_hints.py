@@ -369,7 +369,7 @@ class Overlap(Folder):
         tied = ("0.6  1 1 1\n  ELEMents 2 2 2", "0.5  1 1 1\n  ELEMents 1 1 1")
         self.assertIn(alarm, self.check("same_room", tied))
         said = self.check("same_room", tied, ("FIX,low", "TIE\n\nFIX,low"))
-        self.assertIn("element 22 of 'low' and element 33 of 'up' overlap (the middles of 4", said)
+        self.assertIn("element 33 of 'up' and element 22 of 'low' overlap (the middles of 4", said)
 
     def test_bodies_that_touch_or_act_on_each_other_do_not_overlap(self):
         for place in ("0.5 0.5 1  1 1 1", "2 0 0  1 1 1", "2 2 1  1 1 1", "3 3 3  1 1 1"):
