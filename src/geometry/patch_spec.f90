@@ -8,7 +8,7 @@ module patch_spec
   use spline_surface, only: spline_surface_t
   implicit none
   private
-  public :: patch_spec_t, enrich_t, placement_t, compose
+  public :: patch_spec_t, enrich_t, placement_t, compose, rotation
 
   !> The data that a SPLIne block has but a PATCh block does not.
   type :: spline_spec_t

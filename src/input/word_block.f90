@@ -65,8 +65,11 @@ contains
     type(record_t) :: line
     logical :: more, twice
     integer :: given(2) ! numbers of the material and of the type that the records give; 0: none
+    logical :: short(27)    ! coordinates of the master node are missing
+    type(place_t) :: at(27) ! of each master node
     integer :: i
 
+    short = .false.
     call check_count(record, 1, 1, "BLOCk has no options; a record 'CARTesian r s t' follows", &
                      error)
     if (.not. allocated(error)) call next_data(draft, deck, line, more, error)
@@ -123,6 +126,8 @@ contains
                     'keep one of them')
         else
           spec%given(i) = .true.
+          short(i) = any([line%is_empty(2), line%is_empty(3), line%is_empty(4)])
+          at(i) = line%place(1)
           call get_numbers(deck, line, 2, spec%x(:, i), error, 0.0_wp)
         end if
       end select
@@ -130,6 +135,7 @@ contains
     end do
     call check_block(draft, record, spec, error)
     if (allocated(error)) return
+    call warn_short(spec, short, at)
     call warn_twisted_block(spec, record%place(1))
     call make_nodes(draft, spec, record%place(1))
     if (spec%element < 0) return
@@ -228,6 +234,26 @@ contains
                 //'numbers of the first node and element')
     end if
   end subroutine check_block
+
+  !> Warn about a master node with missing coordinates, which are 0, at the position of another one.
+  subroutine warn_short(spec, short, at)
+    type(block_spec_t), intent(in) :: spec
+    logical, intent(in) :: short(:)      !! coordinates of the master node are missing
+    type(place_t), intent(in) :: at(:)   !! of each master node
+    integer :: i, j
+
+    do i = 1, size(short)
+      if (.not. short(i)) cycle
+      do j = 1, size(short)
+        if (j == i .or. .not. spec%given(j)) cycle
+        if (any(abs(spec%x(:, i) - spec%x(:, j)) > 0.0_wp)) cycle
+        call warn('master node '//to_text(i)//' has fewer than three coordinates, and lies in ' &
+                  //'the place of master node '//to_text(j), at(i), 'missing coordinates are 0: ' &
+                  //'give all three of them')
+        return
+      end do
+    end do
+  end subroutine warn_short
 
   !> Warn about a block with opposite faces that are turned against each other by about 90 degrees.
   !! Since the edges between them are straight, the section in the middle has only about half of the

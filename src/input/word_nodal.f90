@@ -177,6 +177,8 @@ contains
     logical :: zero    ! all numbers are 0, and replace no others
     logical :: stray   ! some increment generates nothing
     type(place_t) :: at ! the first record
+    type(place_t) :: last_at ! the last record so far
+    logical :: ends    ! the last record has the increment of the one before
     integer :: n, step, last, last_step, number(3), i
 
     call check_count(record, 1, 1, "FPROportional has no options; records 'n g k1 k2 k3' follow", &
@@ -194,6 +196,8 @@ contains
       if (allocated(error)) return
       if (n == 0) exit
       if (last == 0) at = line%place(1)
+      last_at = line%place(1)
+      ends = last > 0 .and. last_step == step
       call get_numbers(deck, line, 3, number, error, 0)
       if (allocated(error)) return
       stray = stray .or. (last_step > 0 .and. abs(n - last) <= last_step)
@@ -229,6 +233,10 @@ contains
     stray = stray .or. last_step > 0 ! the increment of the last record
     if (last > 0 .and. zero .and. stray) then
       call warn_zero('all load numbers of this FPROportional are 0', at, 'n g k1 k2 k3')
+    else if (last > 0 .and. last_step /= 0) then
+      if (any(draft%nodes%table(:, last) /= 0) .and. .not. ends) then
+        call warn_last(last, last_step, 'load numbers', 'FPROportional', 'n g k1 k2 k3', last_at)
+      end if
     end if
   end subroutine read_load_numbers
 
@@ -247,6 +255,8 @@ contains
     logical :: zero    ! all records have only zeros, and replace no other values
     logical :: stray   ! some increment generates nothing
     type(place_t) :: at ! the first record
+    type(place_t) :: last_at ! the last record so far
+    logical :: ends    ! the last record has the increment of the one before
     integer :: again   ! a node whose vector generation replaces; 0: none
     integer :: n, step, last, last_step, kind, i
     real(wp) :: x(3)
@@ -270,6 +280,8 @@ contains
       if (allocated(error)) return
       if (n == 0) exit
       if (last == 0) at = line%place(1)
+      last_at = line%place(1)
+      ends = last > 0 .and. last_step == step
       call get_numbers(deck, line, 3, x, error, 0.0_wp)
       if (allocated(error)) return
       zero = zero .and. .not. any(abs(x) > 0.0_wp) .and. line%has_digits_only(3)
@@ -317,8 +329,29 @@ contains
     if (last > 0 .and. zero .and. (is_force .or. stray)) then
       call warn_zero('all values of this '//trim(merge('FORCe       ', 'DISPlacement', is_force)) &
                      //' are zero', at, fields(2:len(fields) - 1))
+    else if (last > 0 .and. last_step /= 0 .and. .not. ends) then
+      if (is_force) then
+        if (any(abs(draft%nodes%force(:, last)) > 0.0_wp)) then
+          call warn_last(last, last_step, 'forces', 'FORCe', 'n g f1 f2 f3', last_at)
+        end if
+      else if (any(abs(draft%nodes%value(:, last)) > 0.0_wp)) then
+        call warn_last(last, last_step, 'displacements', 'DISPlacement', 'n g u1 u2 u3', last_at)
+      end if
     end if
   end subroutine read_vectors
+
+  !> Warn about the increment of the last record, which generates nothing. It is not reported if the
+  !! record ends a generation that has the same increment.
+  subroutine warn_last(n, step, what, word, fields, place)
+    integer, intent(in) :: n, step       !! node and increment of the last record
+    character(*), intent(in) :: what     !! what is not generated
+    character(*), intent(in) :: word, fields
+    type(place_t), intent(in) :: place
+
+    call warn('the increment '//to_text(step)//' of node '//to_text(n)//' generates no '//what &
+              //', because no other record follows in its '//word, place, 'give the last node ' &
+              //'of the line, too, or give this one the increment 0; records are '//fields)
+  end subroutine warn_last
 
   !> Hint for a value that generation replaces.
   function generated_again(last, step) result(hint)
